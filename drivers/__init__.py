@@ -1,0 +1,1 @@
+"""What touches hardware: cameras, the servo bus, and the simulated bench that stands in for all of it."""

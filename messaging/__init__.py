@@ -1,0 +1,1 @@
+"""The ground floor: message types, their protobuf schemas, the table of topics, the Zenoh session."""
