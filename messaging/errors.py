@@ -1,10 +1,10 @@
 """Errors that a user may read. The rooms add their own branches to this tree.
 
-    NodalError                  every error whose text is written for the user
-    |-- InvalidMessageError     a message whose fields do not fit its type
-    |-- CodecError              bytes that are not the message they claim to be
-    |-- EndpointError           a Zenoh endpoint that cannot be opened or reached
-    `-- UnansweredError         nobody answered a query in time
+NodalError                  every error whose text is written for the user
+|-- InvalidMessageError     a message whose fields do not fit its type
+|-- CodecError              bytes that are not the message they claim to be
+|-- EndpointError           a Zenoh endpoint that cannot be opened or reached
+`-- UnansweredError         nobody answered a query in time
 """
 
 

@@ -1,0 +1,1 @@
+"""Code that protoc made from messaging/proto; `make protobuf` makes it anew."""

@@ -1,0 +1,161 @@
+from google.protobuf.internal import containers as _containers
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from collections.abc import Iterable as _Iterable
+from typing import ClassVar as _ClassVar, Optional as _Optional
+
+DESCRIPTOR: _descriptor.FileDescriptor
+
+class ShapeEstimate(_message.Message):
+    __slots__ = ("sequence", "capture_time_ns", "capture_to_publish_ns", "refusal", "flags", "arc_mm", "centreline_mm", "node_names", "node_arc_mm", "node_mm", "node_covariance_mm2", "length_mm", "insertion_mm", "ray_gap_mm", "residual_px", "stage_names", "stage_s")
+    SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    CAPTURE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    CAPTURE_TO_PUBLISH_NS_FIELD_NUMBER: _ClassVar[int]
+    REFUSAL_FIELD_NUMBER: _ClassVar[int]
+    FLAGS_FIELD_NUMBER: _ClassVar[int]
+    ARC_MM_FIELD_NUMBER: _ClassVar[int]
+    CENTRELINE_MM_FIELD_NUMBER: _ClassVar[int]
+    NODE_NAMES_FIELD_NUMBER: _ClassVar[int]
+    NODE_ARC_MM_FIELD_NUMBER: _ClassVar[int]
+    NODE_MM_FIELD_NUMBER: _ClassVar[int]
+    NODE_COVARIANCE_MM2_FIELD_NUMBER: _ClassVar[int]
+    LENGTH_MM_FIELD_NUMBER: _ClassVar[int]
+    INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
+    RAY_GAP_MM_FIELD_NUMBER: _ClassVar[int]
+    RESIDUAL_PX_FIELD_NUMBER: _ClassVar[int]
+    STAGE_NAMES_FIELD_NUMBER: _ClassVar[int]
+    STAGE_S_FIELD_NUMBER: _ClassVar[int]
+    sequence: int
+    capture_time_ns: int
+    capture_to_publish_ns: int
+    refusal: str
+    flags: _containers.RepeatedScalarFieldContainer[str]
+    arc_mm: _containers.RepeatedScalarFieldContainer[float]
+    centreline_mm: _containers.RepeatedScalarFieldContainer[float]
+    node_names: _containers.RepeatedScalarFieldContainer[str]
+    node_arc_mm: _containers.RepeatedScalarFieldContainer[float]
+    node_mm: _containers.RepeatedScalarFieldContainer[float]
+    node_covariance_mm2: _containers.RepeatedScalarFieldContainer[float]
+    length_mm: float
+    insertion_mm: float
+    ray_gap_mm: float
+    residual_px: float
+    stage_names: _containers.RepeatedScalarFieldContainer[str]
+    stage_s: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, sequence: _Optional[int] = ..., capture_time_ns: _Optional[int] = ..., capture_to_publish_ns: _Optional[int] = ..., refusal: _Optional[str] = ..., flags: _Optional[_Iterable[str]] = ..., arc_mm: _Optional[_Iterable[float]] = ..., centreline_mm: _Optional[_Iterable[float]] = ..., node_names: _Optional[_Iterable[str]] = ..., node_arc_mm: _Optional[_Iterable[float]] = ..., node_mm: _Optional[_Iterable[float]] = ..., node_covariance_mm2: _Optional[_Iterable[float]] = ..., length_mm: _Optional[float] = ..., insertion_mm: _Optional[float] = ..., ray_gap_mm: _Optional[float] = ..., residual_px: _Optional[float] = ..., stage_names: _Optional[_Iterable[str]] = ..., stage_s: _Optional[_Iterable[float]] = ...) -> None: ...
+
+class Truth(_message.Message):
+    __slots__ = ("capture_time_ns", "arc_mm", "centreline_mm", "insertion_mm")
+    CAPTURE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    ARC_MM_FIELD_NUMBER: _ClassVar[int]
+    CENTRELINE_MM_FIELD_NUMBER: _ClassVar[int]
+    INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
+    capture_time_ns: int
+    arc_mm: _containers.RepeatedScalarFieldContainer[float]
+    centreline_mm: _containers.RepeatedScalarFieldContainer[float]
+    insertion_mm: float
+    def __init__(self, capture_time_ns: _Optional[int] = ..., arc_mm: _Optional[_Iterable[float]] = ..., centreline_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ...) -> None: ...
+
+class NodalPoints(_message.Message):
+    __slots__ = ("names", "arc_mm")
+    NAMES_FIELD_NUMBER: _ClassVar[int]
+    ARC_MM_FIELD_NUMBER: _ClassVar[int]
+    names: _containers.RepeatedScalarFieldContainer[str]
+    arc_mm: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, names: _Optional[_Iterable[str]] = ..., arc_mm: _Optional[_Iterable[float]] = ...) -> None: ...
+
+class Target(_message.Message):
+    __slots__ = ("name", "node_names", "weights", "time_s", "position_mm", "repeat")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    NODE_NAMES_FIELD_NUMBER: _ClassVar[int]
+    WEIGHTS_FIELD_NUMBER: _ClassVar[int]
+    TIME_S_FIELD_NUMBER: _ClassVar[int]
+    POSITION_MM_FIELD_NUMBER: _ClassVar[int]
+    REPEAT_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    node_names: _containers.RepeatedScalarFieldContainer[str]
+    weights: _containers.RepeatedScalarFieldContainer[float]
+    time_s: _containers.RepeatedScalarFieldContainer[float]
+    position_mm: _containers.RepeatedScalarFieldContainer[float]
+    repeat: bool
+    def __init__(self, name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., weights: _Optional[_Iterable[float]] = ..., time_s: _Optional[_Iterable[float]] = ..., position_mm: _Optional[_Iterable[float]] = ..., repeat: _Optional[bool] = ...) -> None: ...
+
+class ActionRequest(_message.Message):
+    __slots__ = ("action",)
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    action: str
+    def __init__(self, action: _Optional[str] = ...) -> None: ...
+
+class Reply(_message.Message):
+    __slots__ = ("accepted", "state", "reason")
+    ACCEPTED_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    accepted: bool
+    state: str
+    reason: str
+    def __init__(self, accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
+
+class TendonCommand(_message.Message):
+    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "shape_sequence", "capture_to_command_ns")
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    DISPLACEMENT_MM_FIELD_NUMBER: _ClassVar[int]
+    INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
+    SHAPE_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    CAPTURE_TO_COMMAND_NS_FIELD_NUMBER: _ClassVar[int]
+    time_ns: int
+    displacement_mm: _containers.RepeatedScalarFieldContainer[float]
+    insertion_mm: float
+    shape_sequence: int
+    capture_to_command_ns: int
+    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., capture_to_command_ns: _Optional[int] = ...) -> None: ...
+
+class TendonState(_message.Message):
+    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "current_ma", "temperature_c", "voltage_v", "hardware_error", "torque")
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    DISPLACEMENT_MM_FIELD_NUMBER: _ClassVar[int]
+    INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
+    CURRENT_MA_FIELD_NUMBER: _ClassVar[int]
+    TEMPERATURE_C_FIELD_NUMBER: _ClassVar[int]
+    VOLTAGE_V_FIELD_NUMBER: _ClassVar[int]
+    HARDWARE_ERROR_FIELD_NUMBER: _ClassVar[int]
+    TORQUE_FIELD_NUMBER: _ClassVar[int]
+    time_ns: int
+    displacement_mm: _containers.RepeatedScalarFieldContainer[float]
+    insertion_mm: float
+    current_ma: _containers.RepeatedScalarFieldContainer[float]
+    temperature_c: _containers.RepeatedScalarFieldContainer[float]
+    voltage_v: _containers.RepeatedScalarFieldContainer[float]
+    hardware_error: _containers.RepeatedScalarFieldContainer[float]
+    torque: bool
+    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ...) -> None: ...
+
+class ControllerState(_message.Message):
+    __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns")
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    TARGET_NAME_FIELD_NUMBER: _ClassVar[int]
+    NODE_NAMES_FIELD_NUMBER: _ClassVar[int]
+    DESIRED_MM_FIELD_NUMBER: _ClassVar[int]
+    MEASURED_MM_FIELD_NUMBER: _ClassVar[int]
+    TRACKING_ERROR_MM_FIELD_NUMBER: _ClassVar[int]
+    SHAPE_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    SHAPE_AGE_S_FIELD_NUMBER: _ClassVar[int]
+    LATENESS_S_FIELD_NUMBER: _ClassVar[int]
+    BUSY_S_FIELD_NUMBER: _ClassVar[int]
+    OVERRUNS_FIELD_NUMBER: _ClassVar[int]
+    time_ns: int
+    state: str
+    reason: str
+    target_name: str
+    node_names: _containers.RepeatedScalarFieldContainer[str]
+    desired_mm: _containers.RepeatedScalarFieldContainer[float]
+    measured_mm: _containers.RepeatedScalarFieldContainer[float]
+    tracking_error_mm: float
+    shape_sequence: int
+    shape_age_s: float
+    lateness_s: float
+    busy_s: float
+    overruns: int
+    def __init__(self, time_ns: _Optional[int] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., target_name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., desired_mm: _Optional[_Iterable[float]] = ..., measured_mm: _Optional[_Iterable[float]] = ..., tracking_error_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., shape_age_s: _Optional[float] = ..., lateness_s: _Optional[float] = ..., busy_s: _Optional[float] = ..., overruns: _Optional[int] = ...) -> None: ...

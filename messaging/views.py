@@ -1,0 +1,124 @@
+"""What viewers draw: estimates and cameras in Foxglove's well-known schemas, written and never read back here."""
+
+import dataclasses
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration as FoxgloveCalibration
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.Log_pb2 import Log
+from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
+from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
+from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
+from google.protobuf.message import Message as ProtobufMessage
+
+from messaging.frames import CameraCalibration
+from messaging.message import Message, parse
+from messaging.shape import ShapeEstimate
+
+ROBOT_FRAME = "robot"
+METRES_PER_MM = 1e-3
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class View(Message):
+    """A message in a well-known schema; `wire` is its protobuf object. Lengths are in m, as those schemas ask."""
+
+    wire: Any
+
+    def to_bytes(self) -> bytes:
+        """The protobuf bytes."""
+        data: bytes = self.wire.SerializeToString(deterministic=True)
+        return data
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """The view in these bytes; raises CodecError."""
+        return cls(wire=parse(cls.protobuf, data))
+
+
+class CentrelineView(View):
+    """A ShapeEstimate's centreline as foxglove.PointCloud."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = PointCloud
+
+    @classmethod
+    def of(cls, estimate: ShapeEstimate) -> Self:
+        """Points in the robot frame at the capture time."""
+        points = (estimate.centreline_mm * METRES_PER_MM).astype("<f4")
+        wire = PointCloud(frame_id=ROBOT_FRAME, point_stride=12, data=points.tobytes())
+        for offset, axis in enumerate("xyz"):
+            wire.fields.add(name=axis, offset=4 * offset, type=PackedElementField.FLOAT32)
+        wire.pose.orientation.w = 1.0
+        wire.timestamp.FromNanoseconds(estimate.capture_time_ns)
+        return cls(wire=wire)
+
+
+class NodalPointsView(View):
+    """A ShapeEstimate's nodal points as foxglove.PosesInFrame."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = PosesInFrame
+
+    @classmethod
+    def of(cls, estimate: ShapeEstimate) -> Self:
+        """Positions in the robot frame at the capture time; orientations are left at identity."""
+        wire = PosesInFrame(frame_id=ROBOT_FRAME)
+        for x, y, z in estimate.node_mm * METRES_PER_MM:
+            pose = wire.poses.add()
+            pose.position.x, pose.position.y, pose.position.z = x, y, z
+            pose.orientation.w = 1.0
+        wire.timestamp.FromNanoseconds(estimate.capture_time_ns)
+        return cls(wire=wire)
+
+
+class CameraView(View):
+    """A camera's intrinsics as foxglove.CameraCalibration."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = FoxgloveCalibration
+
+    @classmethod
+    def of(cls, calibration: CameraCalibration) -> Self:
+        """K, distortion and size; the pose is a CameraPoseView."""
+        wire = FoxgloveCalibration(
+            frame_id=calibration.camera,
+            width=calibration.width_px,
+            height=calibration.height_px,
+            distortion_model="plumb_bob",
+            D=calibration.distortion,
+            K=calibration.intrinsics.ravel(),
+            R=np.eye(3).ravel(),
+            P=np.hstack([calibration.intrinsics, np.zeros((3, 1))]).ravel(),
+        )
+        return cls(wire=wire)
+
+
+class CameraPoseView(View):
+    """A camera's pose in the robot frame as foxglove.FrameTransform."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = FrameTransform
+
+    @classmethod
+    def of(cls, calibration: CameraCalibration) -> Self:
+        """The transform that takes camera coordinates to the robot frame."""
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415  imported late: slow, and needed once a run
+
+        robot_from_camera = np.linalg.inv(calibration.camera_from_robot)
+        wire = FrameTransform(parent_frame_id=ROBOT_FRAME, child_frame_id=calibration.camera)
+        x, y, z = robot_from_camera[:3, 3] * METRES_PER_MM
+        wire.translation.x, wire.translation.y, wire.translation.z = x, y, z
+        x, y, z, w = Rotation.from_matrix(robot_from_camera[:3, :3]).as_quat()
+        wire.rotation.x, wire.rotation.y, wire.rotation.z, wire.rotation.w = x, y, z, w
+        return cls(wire=wire)
+
+
+class LogLine(View):
+    """A line of a process's log as foxglove.Log."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = Log
+
+    @classmethod
+    def of(cls, *, time_ns: int, level: int, process: str, text: str) -> Self:
+        """`level` is a number of Python's logging module (DEBUG 10 to CRITICAL 50)."""
+        wire = Log(level=min(max(level // 10, 1), 5), message=text, name=process)  # type: ignore[arg-type]
+        wire.timestamp.FromNanoseconds(time_ns)
+        return cls(wire=wire)
