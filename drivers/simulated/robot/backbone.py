@@ -1,0 +1,139 @@
+"""The backbone: a chain of K pieces between disks, with bending and torsional stiffness, rest strain and weight.
+
+The unknown is the strain of every piece, (K, 3) in 1/mm: curvature about the local x and y axes and twist. The rod is
+inextensible and does not shear (Kirchhoff). Energies are in N mm, of a base that stands upright at the origin.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.simulated.robot.settings import SectionSettings, SimulatedRobotSettings
+from drivers.simulated.robot.subsegment import Pieces
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """One share of the energy at some strain, flattened to 3 K unknowns."""
+
+    energy: float
+    gradient: Array
+    """(3K,)."""
+    hessian: Array
+    """(3K, 3K), symmetric; small terms may be missing, so that it is good for Newton steps only."""
+
+
+@dataclass(frozen=True)
+class Backbone:
+    piece_length_mm: Array
+    """(K,)."""
+    piece_section: NDArray[np.intp]
+    """(K,) index of the section that a piece belongs to."""
+    stiffness_N_mm: Array
+    """(3K,) energy per squared strain, twice: E I length for bending, G J length for twist."""
+    rest_strain_per_mm: Array
+    """(3K,)."""
+    disk_weight_N: Array
+    """(K,) weight lumped at the disk at the end of each piece."""
+
+    def elastic_energy(self, strain: Array) -> Term:
+        """Elastic energy at strain (3K,)."""
+        force = self.stiffness_N_mm * (strain - self.rest_strain_per_mm)
+        return Term(
+            0.5 * float(force @ (strain - self.rest_strain_per_mm)), force, np.diag(self.stiffness_N_mm)
+        )
+
+    def slowed(self, strain: Array, retardation: float) -> "Backbone":
+        """The backbone that stands for this one with a viscous pull towards `strain`, `retardation` times as stiff."""
+        return replace(
+            self,
+            stiffness_N_mm=self.stiffness_N_mm * (1 + retardation),
+            rest_strain_per_mm=(self.rest_strain_per_mm + retardation * strain) / (1 + retardation),
+        )
+
+    def weight_energy(self, pieces: Pieces, frames: Array, points_mm: Array) -> Term:
+        """Energy of height, for disk frames (K + 1, 3, 3) and disk centres (K + 1, 3) from base to tip.
+
+        A change of strain turns everything beyond its piece about that piece's end (`axes`) and shifts it.
+        """
+        count = len(self.disk_weight_N)
+        beyond_N = np.cumsum(self.disk_weight_N[::-1])[::-1]
+        moment_N_mm = np.cumsum((self.disk_weight_N[:, None] * points_mm[1:])[::-1], axis=0)[::-1]
+        lever = moment_N_mm - beyond_N[:, None] * points_mm[1:]
+        length = self.piece_length_mm[:, None, None]
+        axes = frames[:-1] @ pieces.rotation_axes * length
+        rise = frames[:-1, 2:] @ pieces.translation_slope * length
+
+        sideways = np.stack([lever[:, 1], -lever[:, 0], np.zeros(count)], axis=1)
+        gradient = beyond_N[:, None] * rise[:, 0] + (sideways[:, None] @ axes)[:, 0]
+
+        middle_lever = lever + beyond_N[:, None] * (points_mm[1:] - points_mm[:-1]) / 2
+        flat = axes.transpose(1, 0, 2).reshape(3, 3 * count)
+        onto_lever = np.repeat(flat.T @ middle_lever.T, 3, axis=1)
+        turned_twice = onto_lever * flat[2] - (flat.T @ flat) * np.repeat(middle_lever[:, 2], 3)
+        tipward = np.triu(turned_twice)
+        hessian = tipward + tipward.T - np.diag(np.diag(tipward))
+        return Term(float(self.disk_weight_N @ points_mm[1:, 2]), gradient.ravel(), hessian)
+
+
+def build_backbone(settings: SimulatedRobotSettings) -> Backbone:
+    """The chain of pieces of all sections, from base to tip."""
+    gravity_N_per_g = settings.gravity_m_s2 * 1e-3
+    weight = [_disk_weight_g(section, settings) * gravity_N_per_g for section in settings.sections]
+    weight[-1][-1] += settings.tip_payload_g * gravity_N_per_g
+    counts = [piece_count(section) for section in settings.sections]
+    return Backbone(
+        piece_length_mm=np.concatenate(
+            [np.full(n, s.length_mm / n) for n, s in zip(counts, settings.sections, strict=True)]
+        ),
+        piece_section=np.repeat(np.arange(len(counts)), counts),
+        stiffness_N_mm=np.concatenate([_stiffness(section).ravel() for section in settings.sections]),
+        rest_strain_per_mm=np.concatenate([_rest_strain(section).ravel() for section in settings.sections]),
+        disk_weight_N=np.concatenate(weight),
+    )
+
+
+def piece_count(section: SectionSettings) -> int:
+    """Number of pieces of a section: its length in whole disk spacings."""
+    return max(1, round(section.length_mm / section.disk_spacing_mm))
+
+
+def disk_frames(pieces: Pieces) -> tuple[Array, Array]:
+    """Frames (K + 1, 3, 3) and centres (K + 1, 3) in mm of the base and of every disk, with the base at the origin."""
+    count = len(pieces.rotation)
+    frames = np.empty((count + 1, 3, 3))
+    frames[0] = np.eye(3)
+    for k in range(count):
+        np.matmul(frames[k], pieces.rotation[k], out=frames[k + 1])
+    points = np.zeros((count + 1, 3))
+    np.cumsum((frames[:-1] @ pieces.translation[:, :, None])[:, :, 0], axis=0, out=points[1:])
+    return frames, points
+
+
+def _piece_middles(section: SectionSettings) -> Array:
+    """(n,) position of each piece's middle along its section, 0 at the base and 1 at the tip."""
+    count = piece_count(section)
+    return (np.arange(count) + 0.5) / count
+
+
+def _stiffness(section: SectionSettings) -> Array:
+    length_mm = section.length_mm / piece_count(section)
+    bending_N_mm2 = section.youngs_modulus_GPa * 1e3 * np.pi / 4 * section.backbone_radius_mm**4
+    torsion_N_mm2 = bending_N_mm2 / (1 + section.poisson_ratio)
+    taper = 1 + section.stiffness_variation * (1 - 2 * _piece_middles(section))
+    return length_mm * taper[:, None] * [bending_N_mm2, bending_N_mm2, torsion_N_mm2]
+
+
+def _rest_strain(section: SectionSettings) -> Array:
+    # bending towards +X is a turn about +Y, bending towards +Y a turn about -X
+    toward_x, toward_y = section.precurvature_per_mm
+    return (1 - _piece_middles(section))[:, None] * [-toward_y, toward_x, 0.0]
+
+
+def _disk_weight_g(section: SectionSettings, settings: SimulatedRobotSettings) -> Array:
+    count = piece_count(section)
+    rod_mm3 = np.pi * section.backbone_radius_mm**2 * section.length_mm / count
+    return np.full(count, settings.disk_mass_g + settings.backbone_density_g_cm3 * 1e-3 * rod_mm3)

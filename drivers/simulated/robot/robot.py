@@ -1,0 +1,136 @@
+"""The simulated robot: a tendon-driven continuum robot on a linear stage, moved by the displacements of its servos.
+
+Mechanics only: no clock and no input or output. The body has no inertia; each step is one implicit Euler step of a
+Kelvin-Voigt rod with frictional tendons, found by minimising its incremental energy.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivers.simulated.robot.backbone import build_backbone
+from drivers.simulated.robot.equilibrium import Configuration, Mechanics, TendonPull
+from drivers.simulated.robot.errors import NoEquilibriumError, RobotInputError
+from drivers.simulated.robot.settings import SimulatedRobotSettings
+from drivers.simulated.robot.shape import Shape, sample_shape
+from drivers.simulated.robot.tendons import route_tendons
+from drivers.simulated.robot.transmission import Friction, build_transmission
+
+Array = NDArray[np.float64]
+
+_NEWTON_STEPS = 8  # a bound on the cost of a step; what is left is made up for in the next
+_NEWTON_STEPS_FROM_REST = 200
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """What the robot does after a step."""
+
+    shape: Shape
+    insertion_mm: float
+    tendon_tension_N: Array
+    """(T,) at the base, never negative; tendons section by section in the order of their settings."""
+    servo_load_N: Array
+    """(D,) net pull of each pair against its servo: positive pulls back a positive displacement."""
+
+
+@dataclass(frozen=True)
+class _Memory:
+    """What a step leaves to the next one."""
+
+    strain: Array
+    pulled_mm: Array
+    friction: Friction
+
+
+def static_shape(settings: SimulatedRobotSettings, tension_N: ArrayLike, insertion_mm: float = 0.0) -> Shape:
+    """The shape at rest under tensions (T,) in N, the same along each tendon.
+
+    Friction, stretch and play have no part in it. Raises RobotInputError for unusable tensions and NoEquilibriumError
+    where the solver finds no rest.
+    """
+    mechanics = _mechanics(settings)
+    tension = _checked("tension_N", tension_N, len(mechanics.routing.runs))
+    if (tension < 0).any():
+        raise RobotInputError(
+            f"tension_N is {tension.tolist()}; tendons only pull, so all must be at least 0"
+        )
+    along = tension[:, None] * mechanics.routing.runs
+    none = np.zeros_like(along)
+
+    def constant(distance_mm: Array) -> TendonPull:
+        return TendonPull(float((along * distance_mm).sum()), tension, along, none)
+
+    rest = mechanics.descend(mechanics.backbone.rest_strain_per_mm, constant, _NEWTON_STEPS_FROM_REST)
+    if not rest.settled:
+        raise NoEquilibriumError(f"no shape at rest found for tension_N {tension.tolist()}")
+    return sample_shape(mechanics.backbone, rest, insertion_mm, settings.centreline_points)
+
+
+class SimulatedRobot:
+    """A robot that remembers: its strain, where its play lies and how its tendons rub.
+
+    Servos are numbered section by section, one for each pair of tendons.
+    """
+
+    def __init__(self, settings: SimulatedRobotSettings) -> None:
+        """At rest with all servos at zero. Raises RobotBuildError and NoEquilibriumError."""
+        self._settings = settings
+        self._mechanics = _mechanics(settings)
+        routing = self._mechanics.routing
+        self._transmission = build_transmission(settings, routing)
+        self.servos = self._transmission.pull_per_displacement.shape[1]
+        pulled = np.zeros(self.servos)
+        unengaged = self._transmission.unengaged(routing.runs * routing.piece_length_mm)
+        law = self._transmission.law(pulled, unengaged)
+        rest = self._mechanics.descend(
+            self._mechanics.backbone.rest_strain_per_mm, law, _NEWTON_STEPS_FROM_REST
+        )
+        if not rest.settled:
+            raise NoEquilibriumError("no shape at rest found for a robot whose servos are all at zero")
+        self._memory = self._remember(rest, pulled, self._transmission.unengaged(rest.path.distance_mm))
+        self.state = self._state(rest, 0.0)
+
+    def step(self, servo_displacement_mm: ArrayLike, insertion_mm: float, dt_s: float) -> RobotState:
+        """Advance by `dt_s` with the servos at displacement (D,) and the stage at `insertion_mm`.
+
+        Raises RobotInputError for values that are not finite, of the wrong shape, or a dt_s that is not positive.
+        """
+        servo_mm = _checked("servo_displacement_mm", servo_displacement_mm, self.servos)
+        _checked("insertion_mm", [insertion_mm], 1)
+        if not 0 < dt_s < np.inf:
+            raise RobotInputError(f"dt_s is {dt_s}; it must be positive and finite")
+        memory = self._memory
+        pulled = self._transmission.play(memory.pulled_mm, servo_mm)
+        slowed = self._mechanics.backbone.slowed(memory.strain, self._settings.damping_s / dt_s)
+        law = self._transmission.law(pulled, memory.friction)
+        moved = replace(self._mechanics, backbone=slowed).descend(memory.strain, law, _NEWTON_STEPS)
+        self._memory = self._remember(moved, pulled, memory.friction)
+        self.state = self._state(moved, insertion_mm)
+        return self.state
+
+    def _remember(self, moved: Configuration, pulled_mm: Array, friction: Friction) -> _Memory:
+        strain = moved.strain.reshape(-1, 3)
+        turn_rad = np.hypot(strain[:, 0], strain[:, 1]) * self._mechanics.backbone.piece_length_mm
+        # a tendon turns at the disk between two pieces by the mean of theirs, and at the base by half of the first's
+        bend_rad = (turn_rad + np.concatenate([[0.0], turn_rad[:-1]])) / 2
+        slid = self._transmission.slide(friction, moved.path.distance_mm, moved.pull, bend_rad)
+        return _Memory(moved.strain, pulled_mm, slid)
+
+    def _state(self, moved: Configuration, insertion_mm: float) -> RobotState:
+        shape = sample_shape(self._mechanics.backbone, moved, insertion_mm, self._settings.centreline_points)
+        tension = moved.pull.base_N
+        return RobotState(shape, insertion_mm, tension, self._transmission.pull_per_displacement.T @ tension)
+
+
+def _mechanics(settings: SimulatedRobotSettings) -> Mechanics:
+    backbone = build_backbone(settings)
+    return Mechanics(backbone, route_tendons(settings, backbone))
+
+
+def _checked(name: str, value: ArrayLike, size: int) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise RobotInputError(f"{name} is {array.tolist()}; it must be {size} finite numbers")
+    return array
