@@ -1,0 +1,211 @@
+"""Tendon pairs and the stage on one servo bus, in mm: what `drivers.actuators.Actuators` asks for."""
+
+import math
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.actuators import ActuatorError, ActuatorState, CommandRefusedError, WatchdogExpiredError
+from drivers.dynamixel import control_table as table
+from drivers.dynamixel import feedback
+from drivers.dynamixel.axis import Axis
+from drivers.dynamixel.bus import DynamixelBus
+from drivers.dynamixel.commissioning import check_setup, configure, identify
+from drivers.dynamixel.control_table import VOLTS_PER_COUNT, Register
+from drivers.dynamixel.errors import HardwareError, PortLostError, UnconfirmedError
+from drivers.dynamixel.feedback import Feedback
+from drivers.dynamixel.settings import ServoSettings
+
+
+class TendonActuators:
+    """Dynamixel X servos in current-based position mode: each pulls to its goal with no more than its current limit.
+
+    mm count from where the servos stood at `open`, until `set_zero` says otherwise.
+    """
+
+    def __init__(self, settings: ServoSettings) -> None:
+        """Remember the settings; `open` reaches for the bus."""
+        self._settings = settings
+        self._ids = [axis.id for axis in settings.axes]
+        self._bus = DynamixelBus(
+            settings.port,
+            baud_rate=settings.baud_rate,
+            answer_timeout_s=settings.answer_timeout_ms / 1e3,
+            retries=settings.retries,
+        )
+        self._axes: list[Axis] = []
+
+    def open(self) -> None:
+        """Reach and check every servo, relax it, set what its RAM needs; its position becomes 0 mm.
+
+        Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError; the port is then closed again.
+        """
+        self._bus.open()
+        try:
+            models = identify(self._bus, self._settings.axes)
+            self.disable()
+            self._axes = [
+                Axis(axis, model, 0.0) for axis, model in zip(self._settings.axes, models, strict=True)
+            ]
+            for axis in self._axes:
+                check_setup(self._bus, axis.settings, axis.model)
+                configure(self._bus, axis, self._settings)
+            self.set_zero(np.zeros(len(self._settings.tendons)), 0.0)
+        except BaseException:
+            self._bus.close()
+            raise
+
+    def close(self) -> None:
+        """Relax the servos and let the port go, which happens even when `disable` raises."""
+        try:
+            if self._bus.is_open:
+                self.disable()
+        finally:
+            self._bus.close()
+
+    def __enter__(self) -> Self:
+        """Open."""
+        self.open()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close; trouble on the way out does not hide the error that led there."""
+        if error is None:
+            self.close()
+        else:
+            _note_trouble(self.close, error)
+
+    def read(self) -> ActuatorState:
+        """One reading of all servos, in one exchange; raises WatchdogExpiredError, NoAnswerError, StatusError."""
+        blocks = self._feedback()
+        expired = [
+            a.settings.name
+            for a, b in zip(self._axes, blocks, strict=True)
+            if b.watchdog == table.WATCHDOG_EXPIRED
+        ]
+        if expired:
+            raise WatchdogExpiredError(
+                f"{self._bus.port}: axis {', '.join(expired)} heard nothing for more than {self._settings.watchdog_ms} ms "
+                "and stopped"
+            )
+        return self._state(blocks)
+
+    def write(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
+        """Send the goals of all servos in one packet; raises CommandRefusedError, and then nothing was sent."""
+        goals_mm = self._positions_mm(displacement_mm, insertion_mm)
+        for axis, goal_mm in zip(self._axes, goals_mm, strict=True):
+            low_mm, high_mm = axis.settings.min_mm, axis.settings.max_mm
+            if not low_mm <= goal_mm <= high_mm:
+                raise CommandRefusedError(
+                    f"axis {axis.settings.name}: goal {goal_mm} mm must be a number from {low_mm} to {high_mm}"
+                )
+        goals = {a.settings.id: a.goal_ticks(mm) for a, mm in zip(self._axes, goals_mm, strict=True)}
+        self._bus.sync_write(table.GOAL_POSITION, goals)
+
+    def set_zero(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
+        """Call the present position `displacement_mm` (D,) and `insertion_mm`; raises CommandRefusedError."""
+        positions_mm = self._positions_mm(displacement_mm, insertion_mm)
+        for axis, position_mm in zip(self._axes, positions_mm, strict=True):
+            if not math.isfinite(position_mm):
+                raise CommandRefusedError(f"axis {axis.settings.name}: {position_mm} mm is no position")
+        self._axes = [
+            axis.zeroed(block.position, position_mm)
+            for axis, block, position_mm in zip(self._axes, self._feedback(), positions_mm, strict=True)
+        ]
+
+    def enable(self) -> None:
+        """Hold the present position and arm the bus watchdog; torque comes on only once goal = present is confirmed.
+
+        Raises HardwareError, UnconfirmedError, StatusError, NoAnswerError; torque is then off.
+        """
+        blocks = self._feedback()
+        broken = {
+            i: block.hardware_error
+            for i, block in zip(self._ids, blocks, strict=True)
+            if block.hardware_error
+        }
+        if broken:
+            raise HardwareError(self._bus.port, broken)
+        try:
+            self._set(table.BUS_WATCHDOG, 0)
+            self._set(table.GOAL_POSITION, *(block.position for block in blocks))
+            self._set(table.TORQUE_ENABLE, 1)
+            self._set(table.BUS_WATCHDOG, math.ceil(self._settings.watchdog_ms / table.WATCHDOG_UNIT_MS))
+        except BaseException as error:
+            _note_trouble(self.disable, error)
+            raise
+
+    def disable(self) -> None:
+        """Torque and watchdog off, and confirmed; raises NoAnswerError naming the servos that did not confirm."""
+        self._set(table.TORQUE_ENABLE, 0)
+        self._set(table.BUS_WATCHDOG, 0)
+
+    def reboot(self, servo: int) -> None:
+        """Restart one servo, by its id, after a hardware error; it comes back relaxed, and its axis keeps its mm."""
+        if servo not in self._ids:
+            raise CommandRefusedError(f"there is no servo {servo} to reboot; the axes have {self._ids}")
+        number = self._ids.index(servo)
+        before = self._bus.read(servo, table.PRESENT_POSITION)
+        self._bus.reboot(servo)
+        after = self._bus.read(servo, table.PRESENT_POSITION)
+        self._axes[number] = self._axes[number].after_reboot(before, after)
+        configure(self._bus, self._axes[number], self._settings)
+
+    def _set(self, register: Register, *values: int) -> None:
+        """Write a register of all servos (one value for all, or one each) and see that it arrived.
+
+        A sync write is not acknowledged, so what did not arrive is written again in a way that is.
+        """
+        wanted = dict(zip(self._ids, values if len(values) > 1 else values * len(self._ids), strict=True))
+        self._bus.sync_write(register, wanted)
+        found = self._bus.sync_read(self._ids, register)
+        for servo in self._ids:
+            if found[servo] != wanted[servo]:
+                self._bus.write(servo, register, wanted[servo])
+                again = self._bus.read(servo, register)
+                if again != wanted[servo]:
+                    raise UnconfirmedError(
+                        f"{self._bus.port}: servo {servo}: {register.name} reads {again} after {wanted[servo]} was written"
+                    )
+
+    def _feedback(self) -> list[Feedback]:
+        if not self._axes:
+            raise PortLostError(f"{self._bus.port}: the servos were not opened")
+        blocks = self._bus.sync_read_bytes(self._ids, self._axes[0].model.indirect_data_1, feedback.SIZE)
+        return [feedback.decode(block) for block in blocks.values()]
+
+    def _state(self, blocks: Sequence[Feedback]) -> ActuatorState:
+        pairs = list(zip(self._axes, blocks, strict=True))
+        *displacement_mm, insertion_mm = (axis.position_mm(block.position) for axis, block in pairs)
+        *displacement_mm_s, insertion_mm_s = (axis.velocity_mm_s(block.velocity) for axis, block in pairs)
+        return ActuatorState(
+            displacement_mm=np.array(displacement_mm),
+            displacement_mm_s=np.array(displacement_mm_s),
+            insertion_mm=insertion_mm,
+            insertion_mm_s=insertion_mm_s,
+            current_ma=np.array([block.current * axis.model.current_unit_ma for axis, block in pairs]),
+            temperature_c=np.array([float(block.temperature) for block in blocks]),
+            voltage_v=np.array([block.voltage * VOLTS_PER_COUNT for block in blocks]),
+            hardware_error=tuple(block.hardware_error for block in blocks),
+            torque=all(block.torque for block in blocks),
+        )
+
+    def _positions_mm(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> list[float]:
+        if np.shape(displacement_mm) != (len(self._settings.tendons),):
+            raise CommandRefusedError(
+                f"displacements have shape {np.shape(displacement_mm)}; there are {len(self._settings.tendons)} tendon pairs"
+            )
+        return [*map(float, displacement_mm), float(insertion_mm)]
+
+
+def _note_trouble(action: Callable[[], None], error: BaseException) -> None:
+    """Do what must be tried on the way out; its own trouble is added to `error` instead of hiding it."""
+    try:
+        action()
+    except ActuatorError as trouble:
+        error.add_note(f"while letting the servos go: {trouble}")
