@@ -22,7 +22,6 @@ QUIET_S = 0.002
 """A line that was silent for this long carries no more of a late answer."""
 REBOOT_DEADLINE_S = 2.0
 REBOOT_POLL_S = 0.02
-EMPTY_STATUS_BYTES = 11
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -180,7 +179,7 @@ class DynamixelBus:
         """Send once; who of `servos` answered with `size` parameters, what else was received, and the time it took."""
         packet = instruction.to_bytes()
         start_s = time.monotonic()
-        expected_bytes = len(packet) + len(servos) * (EMPTY_STATUS_BYTES + size)
+        expected_bytes = len(packet) + len(servos) * (protocol.EMPTY_STATUS_SIZE + size)
         deadline_s = start_s + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
         self._port.send(packet)
         parser = PacketParser()
@@ -201,7 +200,8 @@ class DynamixelBus:
             if not data:
                 break
         if len(answers) < len(servos):
-            _keep(protocol.split_fast_status(received, size), answers, servos, size)
+            whole = protocol.salvage_fast_status(received, size)
+            _keep(protocol.split_fast_status(whole, size), answers, servos, size)
         return answers, rubbish, time.monotonic() - start_s
 
     def _check(self, answer: StatusPacket, doing: str) -> StatusPacket:

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import os
 import select
 import time
 
@@ -10,6 +11,7 @@ import serial
 from drivers.dynamixel.errors import PortBusyError, PortError, PortLostError, PortMissingError
 
 WRITE_TIMEOUT_S = 0.1
+READ_SIZE = 4096
 BITS_PER_BYTE = 10
 
 
@@ -62,10 +64,13 @@ class SerialPort:
         """Some bytes as soon as there are any, or none at `deadline_s` (time.monotonic); raises PortLostError."""
         port = self._opened()
         try:
-            ready, _, _ = select.select([port], [], [], max(0.0, deadline_s - time.monotonic()))
-            return bytes(port.read(4096)) if ready else b""
-        except (serial.SerialException, OSError) as error:
+            ready, _, _ = select.select([port.fd], [], [], max(0.0, deadline_s - time.monotonic()))
+            data = os.read(port.fd, READ_SIZE) if ready else b""
+        except (OSError, ValueError) as error:
             raise self._lost(error) from error
+        if ready and not data:
+            raise self._lost(EOFError("it hung up"))
+        return data
 
     def transfer_time_s(self, byte_count: int) -> float:
         """How long `byte_count` bytes take on the wire."""

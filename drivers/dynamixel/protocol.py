@@ -13,6 +13,7 @@ HEADER = b"\xff\xff\xfd\x00"
 STUFFED, UNSTUFFED = b"\xff\xff\xfd\xfd", b"\xff\xff\xfd"
 MAX_ID = 0xFC
 BROADCAST_ID = 0xFE
+EMPTY_STATUS_SIZE = 11
 MAX_LENGTH = 1024
 """Longer packets are taken for rubbish, so that a false header cannot hold up the ones behind it for long."""
 
@@ -142,14 +143,15 @@ class PacketParser:
         length = int.from_bytes(buffer[5:7], "little")
         if (buffer[4] > MAX_ID and buffer[4] != BROADCAST_ID) or not 3 <= length <= MAX_LENGTH:
             return self._drop(len(HEADER), "impossible id or length")
-        if len(buffer) < 7 + length:
-            return None
-        raw = bytes(buffer[: 7 + length])
+        return self._complete(7 + length) if len(buffer) >= 7 + length else None
+
+    def _complete(self, size: int) -> Packet:
+        raw = bytes(self._buffer[:size])
         if crc16(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
             return self._drop(len(HEADER), "wrong CRC")
-        if raw[7] == Code.STATUS and length < 4:
+        if raw[7] == Code.STATUS and size < EMPTY_STATUS_SIZE:
             return self._drop(len(HEADER), "status packet without error byte")
-        del buffer[: 7 + length]
+        del self._buffer[:size]
         return _packet(raw)
 
     def _drop(self, count: int, reason: str) -> Dropped:
@@ -173,26 +175,31 @@ def _possible_header_at_end(buffer: bytes | bytearray) -> int:
     return next((n for n in range(min(3, len(buffer)), 0, -1) if buffer.endswith(HEADER[:n])), 0)
 
 
-def split_fast_status(data: bytes, size: int) -> list[StatusPacket]:
-    """The servos' answers in the answer to a fast sync read of `size` bytes, as far as they are whole.
-
-    `data` may be cut short or garbled in the middle: each servo closes its part with the CRC of everything before it, so
-    the answers ahead of the damage are still good.
-    """
-    start = data.find(HEADER + bytes((BROADCAST_ID,)))
-    if start < 0:
-        return []
+def split_fast_status(raw: bytes, size: int) -> list[StatusPacket]:
+    """The servos' answers in the packet that answers a fast sync read of `size` bytes; a part cut short is left out."""
     answers = []
-    checked, crc = start, 0
-    part = start + 8
-    while (end := part + 2 + size) + 2 <= len(data):
-        crc = crc16(data[checked:end], crc)
-        if crc != int.from_bytes(data[end : end + 2], "little"):
-            break
-        error, servo = data[part], data[part + 1]
-        answers.append(StatusPacket(servo, error & ~ALERT_BIT, bool(error & ALERT_BIT), data[part + 2 : end]))
-        checked, part = end, end + 2
+    for part in range(8, len(raw) - size - 3, size + 4):
+        error, servo = raw[part], raw[part + 1]
+        answers.append(
+            StatusPacket(servo, error & ~ALERT_BIT, bool(error & ALERT_BIT), raw[part + 2 : part + 2 + size])
+        )
     return answers
+
+
+def salvage_fast_status(received: bytes, size: int) -> bytes:
+    """What is whole of a fast sync read's answer that was cut short or garbled, to be split like an undamaged one.
+
+    Each servo closes its part with the CRC of everything before it, so the parts ahead of the damage are still good.
+    """
+    start = max(0, received.find(HEADER + bytes((BROADCAST_ID,))))
+    crc, whole = 0, start
+    end = start + 10 + size
+    while end + 2 <= len(received):
+        crc = crc16(received[whole:end], crc)
+        if crc != int.from_bytes(received[end : end + 2], "little"):
+            break
+        whole, end = end, end + size + 4
+    return received[start : whole + 2] if whole > start else b""
 
 
 def ping(servo: int) -> Instruction:

@@ -38,13 +38,17 @@ class ServoBus:
         self._answered = 0
 
     def receive(self, data: bytes, now_s: float) -> list[Answer]:
-        """What the line carries in answer to `data`."""
-        answers = []
+        """What the line carries in answer to `data`; bytes that follow each other without a pause come together."""
+        answers: list[Answer] = []
         line_s = 0.0
         for packet in self._reader.feed(data):
             for pause_s, content in self._obey(packet, now_s):
                 line_s += pause_s + len(content) * self._byte_s
-                answers += self._spoil(Answer(line_s, content))
+                late_s, spoilt = self._spoil(content)
+                if answers and pause_s == late_s == 0:
+                    answers[-1] = Answer(line_s, answers[-1].data + spoilt)
+                elif spoilt:
+                    answers.append(Answer(line_s + late_s, spoilt))
         return answers
 
     def step(self, dt_s: float, load_torque_Nm: Sequence[float], now_s: float) -> None:
@@ -69,12 +73,14 @@ class ServoBus:
             return answers if packet.code == Single.PING else []
         return obey(addressed, packet, now_s) if addressed else []
 
-    def _spoil(self, answer: Answer) -> list[Answer]:
+    def _spoil(self, data: bytes) -> TimedBytes:
+        """By how much a fault delays the next answer, and what it leaves of it."""
         self._answered += 1
         number, faults = self._answered, self._faults
         if number in faults.drop:
-            return []
-        data = answer.data[: len(answer.data) // 2] if number in faults.truncate else answer.data
+            return 0.0, b""
+        if number in faults.truncate:
+            data = data[: len(data) // 2]
         if number in faults.corrupt:
             data = data[:-3] + bytes((data[-3] ^ 0x40,)) + data[-2:]
-        return [Answer(answer.delay_s + (faults.delay_s if number in faults.delay else 0.0), data)]
+        return faults.delay_s if number in faults.delay else 0.0, data

@@ -114,21 +114,23 @@ class Memory:
     def __init__(self, eeprom: dict[str, int], limits: Callable[[str, int], None]) -> None:
         """Fresh from power-on, with `eeprom` values instead of the factory's; `limits` may refuse a value."""
         self._bytes = bytearray(TABLE_END)
+        self._values: dict[str, int] = {}
         self._limits = limits
         for item in ITEMS:
             self[item.name] = eeprom.get(item.name, item.initial)
 
     def __getitem__(self, name: str) -> int:
         """A register's value."""
-        item = BY_NAME[name]
-        return _value(item, self._bytes[item.address : item.address + item.size])
+        return self._values[name]
 
     def __setitem__(self, name: str, value: int) -> None:
-        """Set a register from inside the servo, past all rules."""
+        """Set a register from inside the servo, past all rules; a value too large wraps as in the servo's own memory."""
+        if self._values.get(name) == value:
+            return
         item = BY_NAME[name]
-        self._bytes[item.address : item.address + item.size] = (value % (1 << 8 * item.size)).to_bytes(
-            item.size, "little"
-        )
+        data = (value % (1 << 8 * item.size)).to_bytes(item.size, "little")
+        self._bytes[item.address : item.address + item.size] = data
+        self._values[name] = _value(item, data)
 
     def forget_ram(self) -> None:
         """What a restart leaves: EEPROM stays, RAM is as from the factory."""
@@ -166,5 +168,5 @@ class Memory:
         return place if word is None else self._bytes[word] | self._bytes[word + 1] << 8
 
 
-def _value(item: Item, data: bytes | bytearray) -> int:
+def _value(item: Item, data: bytes) -> int:
     return int.from_bytes(data, "little", signed=item.name in _SIGNED)
