@@ -1,0 +1,91 @@
+"""What a camera sees without the robot, and how far a picture differs from it (METHOD step 2, equation 1).
+
+The backdrop is a picture taken without the robot; failing that one colour; failing that a smooth surface fitted to the
+picture itself, which follows gradients and vignetting but neither folds nor the holder.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from messaging.checked import FloatArray
+
+Image = NDArray[np.uint8]
+
+SCALE = 2
+"""Detection works on pictures this many times smaller; measuring does not."""
+FIT_STRIDE = 12
+
+
+@dataclass(frozen=True)
+class Backdrop:
+    """One camera's backdrop. `picture` (h, w, 3) BGR is complete at full size; `small` is the reduced one."""
+
+    picture: Image
+    small: Image
+    luma: Image
+
+    @classmethod
+    def from_picture(cls, picture: Image) -> "Backdrop":
+        """The backdrop in a picture taken without the robot; noise is smoothed away."""
+        smooth = np.asarray(cv2.GaussianBlur(picture, (0, 0), 1.0), dtype=np.uint8)
+        return cls(smooth, reduced(smooth), luma(smooth))
+
+    @classmethod
+    def from_colour(cls, colour_bgr: tuple[float, float, float], size_px: tuple[int, int]) -> "Backdrop":
+        """A backdrop of one colour (equation 1's R0, G0, B0, here in B, G, R order)."""
+        picture = np.full((size_px[1], size_px[0], 3), colour_bgr, dtype=np.float64).round().astype(np.uint8)
+        return cls(picture, reduced(picture), luma(picture))
+
+    @classmethod
+    def fitted(cls, picture: Image) -> "Backdrop":
+        """A cubic surface per colour through the picture's own background, by reweighted least squares.
+
+        Pixels that differ from the surface by more than a few times the typical difference (the robot, its holder)
+        lose their say from one round to the next.
+        """
+        height, width = picture.shape[:2]
+        colours = picture[::FIT_STRIDE, ::FIT_STRIDE].reshape(-1, 3).astype(np.float64)
+        y, x = np.mgrid[0:height:FIT_STRIDE, 0:width:FIT_STRIDE]
+        terms = _surface_terms(x.ravel() / width - 0.5, y.ravel() / height - 0.5)
+        weight = np.ones(len(colours))
+        coefficients = np.zeros((terms.shape[1], 3))
+        for _ in range(12):
+            root = np.sqrt(weight)[:, None]
+            coefficients = np.linalg.lstsq(terms * root, colours * root, rcond=None)[0]
+            distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
+            scale = 2.0 * np.median(distance) + 1.0
+            weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
+        grid_y, grid_x = np.mgrid[0:height:SCALE, 0:width:SCALE]
+        surface = _surface_terms(grid_x.ravel() / width - 0.5, grid_y.ravel() / height - 0.5) @ coefficients
+        coarse = surface.reshape(*grid_x.shape, 3).clip(0, 255).astype(np.float32)
+        whole = np.asarray(cv2.resize(coarse, (width, height)).round(), dtype=np.uint8)
+        return cls(whole, reduced(whole), luma(whole))
+
+    def distance(self, small: Image) -> FloatArray:
+        """Equation 1: the Euclidean colour distance (h, w) between a reduced picture and the backdrop."""
+        difference = cv2.absdiff(small, self.small).astype(np.float32)
+        return np.asarray(np.sqrt(np.einsum("ijk,ijk->ij", difference, difference)))
+
+
+def reduced(picture: Image) -> Image:
+    """The picture at detection size: each pixel the mean of SCALE x SCALE."""
+    return np.asarray(
+        cv2.resize(picture, None, fx=1 / SCALE, fy=1 / SCALE, interpolation=cv2.INTER_AREA), dtype=np.uint8
+    )
+
+
+def luma(picture: Image) -> Image:
+    """Brightness (h, w) of a BGR picture; a grey one is returned as it is."""
+    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+
+
+def noise_level(distance: FloatArray) -> float:
+    """The typical colour distance of backdrop pixels: most of the picture is backdrop, so the median speaks for it."""
+    return float(np.median(distance[::4, ::4]))
+
+
+def _surface_terms(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.column_stack([x**i * y**j for i in range(4) for j in range(4 - i)])

@@ -1,0 +1,116 @@
+"""The robot's shape from nothing but pictures: METHOD steps 2 to 8, as the start of the refinement.
+
+Each stage's result stays available, so that a picture of every step can be drawn.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from messaging.checked import FloatArray
+from sensing import curve
+from sensing.backdrop import Backdrop, reduced
+from sensing.camera import Camera
+from sensing.errors import RefusedError
+from sensing.midline import half_width, midline
+from sensing.pairing import ordered_pairs, ray_gaps, triangulate
+from sensing.picture import Picture
+from sensing.refinement import Curve
+from sensing.segmentation import SCALE, BaseView, Mask, full_pixels, robot_mask
+
+MIDLINE_POINTS = 100
+BASE_STRETCH = 0.05
+"""The share of the walk next to the base that is left to the base's known pose: the holder's rim blurs it."""
+
+
+@dataclass(frozen=True)
+class Silhouette:
+    """One camera's stages: mask (h, w) at detection size, skeleton (n, 2) and midline (MIDLINE_POINTS, 2) in full-size px."""
+
+    mask: Mask
+    skeleton: FloatArray
+    midline: FloatArray
+    half_width_px: float
+
+
+@dataclass(frozen=True)
+class ColdStart:
+    """The stages of a cold start: silhouettes by camera, triangulated points (n, 3), ray gaps (n,), and the first curve."""
+
+    silhouettes: Mapping[str, Silhouette]
+    points_mm: FloatArray
+    gaps_mm: FloatArray
+    curve: Curve
+
+
+def cold_start(
+    cameras: tuple[Camera, ...],
+    pictures: Mapping[str, Picture],
+    backdrops: Mapping[str, Backdrop],
+    insertion_mm: float,
+    holder_radius_mm: float,
+) -> ColdStart:
+    """Find the robot in every picture and in space; raises RefusedError naming the camera that does not show it."""
+    silhouettes = {
+        camera.name: _silhouette(camera, pictures[camera.name], backdrops[camera.name], insertion_mm, holder_radius_mm)
+        for camera in cameras
+    }
+    first, second = best_pair(cameras, np.array([0.0, 0.0, insertion_mm]))
+    rays = [camera.rays(silhouettes[camera.name].midline) for camera in (first, second)]
+    i, j = ordered_pairs(ray_gaps(first, rays[0], second, rays[1]))
+    points, gaps = triangulate(first, rays[0][i], second, rays[1][j])
+    walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
+    radius = silhouettes[first.name].half_width_px / _px_per_mm(first, points)
+    return ColdStart(silhouettes, points, gaps, _first_curve(points, walk, insertion_mm, radius))
+
+
+def best_pair(cameras: tuple[Camera, ...], towards_mm: FloatArray) -> tuple[Camera, Camera]:
+    """The two cameras whose sights of a point (3,) are nearest to a right angle: the best two to triangulate with."""
+    sights = np.array([towards_mm - camera.centre_mm for camera in cameras])
+    sights /= np.linalg.norm(sights, axis=1, keepdims=True)
+    cosines = np.abs(sights @ sights.T) + np.eye(len(cameras)) * 2
+    first, second = divmod(int(cosines.argmin()), len(cameras))
+    return cameras[first], cameras[second]
+
+
+def _silhouette(
+    camera: Camera, picture: Picture, backdrop: Backdrop, insertion_mm: float, holder_radius_mm: float
+) -> Silhouette:
+    base = BaseView.of(camera, insertion_mm)
+    mask = robot_mask(camera.name, backdrop.distance(reduced(picture.colour)), base, holder_radius_mm)
+    skeleton = midline(mask, base.pixel)
+    if len(skeleton) < MIDLINE_POINTS // 5:
+        raise RefusedError(f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * SCALE} px long")
+    width = half_width(mask)
+    return Silhouette(mask, full_pixels(skeleton), full_pixels(_evened(skeleton, width)), width * SCALE)
+
+
+def _evened(skeleton: FloatArray, width: float) -> FloatArray:
+    """The skeleton evenly spaced; its last half width, where it runs into a corner of the end, goes straight on instead."""
+    even = curve.resample(skeleton, 2 * MIDLINE_POINTS)
+    arc = curve.arc_lengths(even)
+    kept = even[arc <= max(arc[-1] - width, arc[-1] / 2)]
+    onwards = kept[-1] - kept[-min(8, len(kept))]
+    onwards = onwards / max(float(np.linalg.norm(onwards)), 1e-9)
+    return curve.resample(np.vstack([kept, kept[-1] + onwards * width]), MIDLINE_POINTS)
+
+
+def _first_curve(points: FloatArray, walk: FloatArray, insertion_mm: float, radius_mm: float) -> Curve:
+    """A smooth curve from the base through triangulated points, its parameter brought to arc length."""
+    far = walk > BASE_STRETCH
+    base = np.tile([0.0, 0.0, insertion_mm], (3, 1))
+    places = np.vstack([base, points[far]])
+    parameter = np.concatenate([np.zeros(3), walk[far]])
+    control = curve.fit_points(places, parameter)
+    for _ in range(3):
+        arc = curve.arc_lengths(curve.POSITION @ control)
+        parameter = np.interp(parameter, curve.PARAMETER, arc / arc[-1])
+        control = curve.fit_points(places, parameter)
+    length = float(curve.arc_lengths(curve.POSITION @ control)[-1])
+    return Curve(control, length, np.full(curve.SAMPLES, radius_mm))
+
+
+def _px_per_mm(camera: Camera, points: FloatArray) -> float:
+    _, jacobian = camera.project_with_jacobian(points[len(points) // 2 :][:1])
+    return float(np.linalg.svd(jacobian[0], compute_uv=False)[0])

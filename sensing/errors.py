@@ -1,0 +1,35 @@
+"""Errors of sensing.
+
+    NodalError
+    `-- SensingError
+        |-- UnreadableImageError    bytes that are not a whole picture
+        |-- ImageSizeError          a picture whose size is not its calibration's
+        |-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
+        `-- NodalPointError         a nodal point that is not on the robot
+"""
+
+from messaging.errors import NodalError
+
+
+class SensingError(NodalError):
+    """An error of the sensing room."""
+
+
+class UnreadableImageError(SensingError):
+    """The bytes of a picture cannot be decoded whole."""
+
+
+class ImageSizeError(SensingError):
+    """A picture's size differs from the size its camera was calibrated at."""
+
+
+class RefusedError(SensingError):
+    """No shape can be resolved in this frame set."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+class NodalPointError(SensingError):
+    """A nodal point lies beyond the robot."""

@@ -1,0 +1,212 @@
+"""From one set of pictures to the robot's shape: the whole of METHOD, pure, with or without a prior.
+
+With the last shape as prior the curve is refined at once, from brightness along short normals, and nothing else is
+looked at. Without one, or when that fit does not convince, the robot is found anew (`cold_start`).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from messaging.checked import FloatArray
+from messaging.frames import CameraCalibration
+from messaging.shape import Flag, NodalPoints
+from sensing import curve, quality
+from sensing.backdrop import Backdrop, Image
+from sensing.camera import Camera
+from sensing.cold_start import ColdStart, cold_start
+from sensing.errors import NodalPointError
+from sensing.picture import Picture
+from sensing.refinement import Curve, Fit, Prior, Tip, View, refine
+
+COLD_ROUNDS = 8
+WARM_ROUNDS = 2
+BEYOND_TIP_MM = 1.0
+"""A nodal point may lie this far beyond the measured tip, or a fiftieth of the length: there the line goes straight on."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What does not change from frame to frame. Cameras without a backdrop get one fitted to their first picture."""
+
+    cameras: tuple[Camera, ...]
+    backdrops: Mapping[str, Backdrop]
+    length_mm: float | None
+    holder_radius_mm: float
+
+    @classmethod
+    def of(
+        cls,
+        calibrations: tuple[CameraCalibration, ...],
+        backgrounds: Mapping[str, Image],
+        colour_rgb: tuple[float, float, float] | None,
+        length_mm: float | None,
+        holder_radius_mm: float,
+    ) -> "Scene":
+        """The scene of these cameras; `backgrounds` are BGR pictures without the robot, `colour_rgb` stands in for all."""
+        backdrops = {name: Backdrop.from_picture(picture) for name, picture in backgrounds.items()}
+        if colour_rgb is not None:
+            for calibration in calibrations:
+                size = calibration.width_px, calibration.height_px
+                backdrops.setdefault(calibration.camera, Backdrop.from_colour(colour_rgb[::-1], size))
+        return cls(tuple(map(Camera, calibrations)), backdrops, length_mm, holder_radius_mm)
+
+    def picture(self, camera: str, data: bytes) -> Picture:
+        """The coded picture of one of the cameras; raises UnreadableImageError."""
+        size = next(known.size_px for known in self.cameras if known.name == camera)
+        return Picture(camera, data, size)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A resolved shape. `stages` are those of the cold start that began it, or None when it followed from a prior."""
+
+    fit: Fit
+    tip: Tip
+    backdrops: Mapping[str, Backdrop]
+    insertion_mm: float
+    flags: tuple[Flag, ...]
+    residual_px: float
+    ray_gap_mm: float
+    stages: ColdStart | None
+    stage_s: Mapping[str, float]
+
+    @property
+    def length_mm(self) -> float:
+        """Measured length of the centreline."""
+        return float(self.arc_mm[-1])
+
+    @property
+    def centreline_mm(self) -> FloatArray:
+        """Centreline (curve.SAMPLES, 3) from base to tip."""
+        return self.fit.curve.points_mm
+
+    @property
+    def arc_mm(self) -> FloatArray:
+        """Distance from the base (curve.SAMPLES,) along the centreline."""
+        return curve.arc_lengths(self.centreline_mm)
+
+    def nodes(self, arc_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions (n, 3) and covariances (n, 3, 3) of the points at these distances from the base (METHOD step 9).
+
+        Raises NodalPointError for a point beyond the robot.
+        """
+        length = self.length_mm
+        reach = length + max(BEYOND_TIP_MM, length / 50)
+        if (arc_mm > reach).any():
+            raise NodalPointError(
+                f"nodal point at {arc_mm.max():g} mm is beyond the robot, whose centreline is {length:.2f} mm long"
+            )
+        fine = np.linspace(0.0, 1.0, 8 * curve.SAMPLES)
+        control = self.fit.curve.control_mm
+        line = curve.basis(fine) @ control
+        parameter = np.interp(arc_mm, curve.arc_lengths(line), fine)
+        basis = curve.basis(parameter)
+        tangent = line[-1] - line[-2]
+        beyond = np.maximum(arc_mm - length, 0.0)[:, None] * (tangent / np.linalg.norm(tangent))
+        covariance = self.fit.covariance[:-1, :-1].reshape(curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3)
+        spread = np.einsum("na,aibj,nb->nij", basis, covariance, basis)
+        return basis @ control + beyond, (spread + np.swapaxes(spread, 1, 2)) / 2
+
+
+def estimate(
+    pictures: Mapping[str, Picture],
+    scene: Scene,
+    insertion_mm: float,
+    last: Shape | None,
+    clock: Callable[[], float],
+) -> Shape:
+    """The shape in one set of pictures, one for each of the scene's cameras.
+
+    `last` is the shape of the set before, or None; `clock` gives seconds and is read only for `stage_s`. Raises
+    RefusedError when no shape can be resolved, UnreadableImageError or ImageSizeError for a bad picture.
+    """
+    watch = _Stopwatch(clock)
+    for camera in scene.cameras:
+        _ = pictures[camera.name].luma if last is not None else pictures[camera.name].colour
+    watch.lap("decode")
+    if last is not None:
+        warm = _warm(pictures, scene, insertion_mm, last, watch)
+        if not warm.flags:
+            return replace(warm, stage_s=watch.laps)
+    backdrops = {
+        camera.name: scene.backdrops.get(camera.name) or Backdrop.fitted(pictures[camera.name].colour)
+        for camera in scene.cameras
+    }
+    watch.lap("backdrop")
+    stages = cold_start(scene.cameras, pictures, backdrops, insertion_mm, scene.holder_radius_mm)
+    watch.lap("cold_start")
+    views = _views(pictures, scene, backdrops)
+    prior = Prior(insertion_mm, scene.length_mm)
+    fits = {tip: refine(views, stages.curve, prior, tip, COLD_ROUNDS) for tip in Tip}
+    tip = min(fits, key=lambda kind: fits[kind].cost)
+    watch.lap("refine")
+    cold = _judged(fits[tip], tip, scene, prior, backdrops, stages)
+    watch.lap("judge")
+    return replace(cold, stage_s=watch.laps)
+
+
+def covered_nodes(points: NodalPoints, length_mm: float) -> NodalPoints:
+    """The same nodal points; raises NodalPointError for one beyond a robot of this length."""
+    if points.arc_mm[-1] > length_mm:
+        raise NodalPointError(
+            f"nodal point {points.names[-1]} at {points.arc_mm[-1]:g} mm is beyond the robot; "
+            f"allowed are 0 to {length_mm:g} mm"
+        )
+    return points
+
+
+def _warm(
+    pictures: Mapping[str, Picture], scene: Scene, insertion_mm: float, last: Shape, watch: "_Stopwatch"
+) -> Shape:
+    lift = np.array([0.0, 0.0, insertion_mm - last.insertion_mm])
+    start = Curve(last.fit.curve.control_mm + lift, last.fit.curve.length_mm, last.fit.curve.radius_mm)
+    prior = Prior(insertion_mm, scene.length_mm)
+    fit = refine(_views(pictures, scene, last.backdrops), start, prior, last.tip, WARM_ROUNDS)
+    watch.lap("refine")
+    shape = _judged(fit, last.tip, scene, prior, last.backdrops, None)
+    watch.lap("judge")
+    return shape
+
+
+def _views(
+    pictures: Mapping[str, Picture], scene: Scene, backdrops: Mapping[str, Backdrop]
+) -> tuple[View, ...]:
+    return tuple(
+        View(camera, pictures[camera.name].luma, backdrops[camera.name].luma) for camera in scene.cameras
+    )
+
+
+def _judged(
+    fit: Fit, tip: Tip, scene: Scene, prior: Prior, backdrops: Mapping[str, Backdrop], stages: ColdStart | None
+) -> Shape:
+    unjudged = Shape(
+        fit=fit,
+        tip=tip,
+        backdrops=backdrops,
+        insertion_mm=prior.insertion_mm,
+        flags=(),
+        residual_px=quality.residual_px(fit),
+        ray_gap_mm=quality.ray_gap_mm(scene.cameras, fit),
+        stages=stages,
+        stage_s={},
+    )
+    _, covariance = unjudged.nodes(np.linspace(0.1, 1.0, 10) * unjudged.length_mm)
+    spread = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
+    masks = {name: silhouette.mask for name, silhouette in stages.silhouettes.items()} if stages else {}
+    return replace(unjudged, flags=quality.flags(scene.cameras, fit, prior, spread, masks))
+
+
+class _Stopwatch:
+    """Seconds spent between laps, added up by name."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._since = clock()
+        self.laps: dict[str, float] = {}
+
+    def lap(self, name: str) -> None:
+        now = self._clock()
+        self.laps[name] = self.laps.get(name, 0.0) + now - self._since
+        self._since = now

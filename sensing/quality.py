@@ -1,0 +1,84 @@
+"""What speaks against a fitted shape: flags with a fixed vocabulary (messaging.shape.Flag), from numbers of the fit."""
+
+from collections.abc import Mapping
+from itertools import combinations
+
+import cv2
+import numpy as np
+
+from messaging.checked import FloatArray
+from messaging.shape import Flag
+from sensing import curve
+from sensing.camera import Camera
+from sensing.pairing import triangulate
+from sensing.refinement import Fit, Prior, predicted_edges
+from sensing.segmentation import Mask, small_pixels
+
+LARGE_RESIDUAL_PX = 0.8
+LEAST_EXPLAINED = 0.6
+"""The share of normals at which both edges must be found, in every camera."""
+LARGE_RAY_GAP_MM = 0.4
+LARGE_SPREAD_MM = 0.6
+"""A nodal point whose standard deviation in its worst direction is larger rests on more than the pictures."""
+LENGTH_TOLERANCE_MM = 1.0
+UNEXPLAINED_SHARE = 0.06
+"""The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
+
+
+def residual_px(fit: Fit) -> float:
+    """RMS over the cameras' normals that count, without the worst tenth: dust and disks' rims are not the curve's."""
+    residuals = np.sort(np.concatenate([np.abs(view.residual_px[view.valid]) for view in fit.views]))
+    kept = residuals[: max(int(0.9 * len(residuals)), 1)]
+    return float(np.sqrt(np.mean(kept**2))) if residuals.size else float("nan")
+
+
+def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
+    """Mean gap between the rays of measured midlines at the same arc length, over all pairs of cameras."""
+    gaps = []
+    for (one, first), (other, second) in combinations(enumerate(cameras), 2):
+        both = fit.views[one].valid & fit.views[other].valid
+        if both.any():
+            rays = [camera.rays(fit.views[index].middle_px[both]) for index, camera in ((one, first), (other, second))]
+            gaps.append(triangulate(first, rays[0], second, rays[1])[1])
+    return float(np.concatenate(gaps).mean()) if gaps else float("nan")
+
+
+def flags(
+    cameras: tuple[Camera, ...], fit: Fit, prior: Prior, spread_mm: FloatArray, masks: Mapping[str, Mask]
+) -> tuple[Flag, ...]:
+    """Everything that speaks against the fit; `spread_mm` (n,) are the nodal points' worst standard deviations.
+
+    `masks` are the silhouettes of a cold start; a warm one has none, and its fit is judged by its edges alone.
+    """
+    explained = [float(view.valid.mean()) for view in fit.views]
+    ends = [view.end_px for view in fit.views if view.end_px is not None]
+    end_mm = [abs(view.end_px) * view.mm_per_px for view in fit.views if view.end_px is not None]
+    too_long = prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
+    merged = any(
+        unexplained(camera, fit, masks[camera.name]) > UNEXPLAINED_SHARE for camera in cameras if camera.name in masks
+    )
+    found = {
+        Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED or not residual_px(fit) < LARGE_RESIDUAL_PX,
+        Flag.LARGE_RAY_GAP: not ray_gap_mm(cameras, fit) < LARGE_RAY_GAP_MM,
+        Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
+        Flag.TIP_UNSEEN: not ends,
+        Flag.LENGTH_MISMATCH: too_long or any(gap > LENGTH_TOLERANCE_MM for gap in end_mm),
+        Flag.MERGED_SILHOUETTE: merged,
+    }
+    return tuple(flag for flag, raised in found.items() if raised)
+
+
+def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
+    """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
+    _, one, other = predicted_edges(camera, fit.curve)
+    outline = np.vstack([small_pixels(camera.project(one)), small_pixels(camera.project(other))[::-1]])
+    radius = float(np.median(np.linalg.norm(np.diff(outline.reshape(2, -1, 2), axis=0), axis=2))) / 2
+    rim = int(np.ceil(0.35 * radius))
+    tube = np.zeros_like(mask)
+    for strip in range(curve.SAMPLES - 1):
+        quad = outline[[strip, strip + 1, -2 - strip, -1 - strip]]
+        cv2.fillConvexPoly(tube, np.round(quad * 16).astype(np.int32), 255, shift=4)
+    tube = np.asarray(cv2.dilate(tube, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1))))
+    return float(np.count_nonzero(mask & ~tube)) / max(np.count_nonzero(mask), 1)
+
+

@@ -1,0 +1,30 @@
+"""Settings of sensing, as they stand in the bench file."""
+
+from typing import Annotated
+
+import msgspec
+
+Level = Annotated[float, msgspec.Meta(ge=0, le=255)]
+
+
+class NodalPointSetting(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A point on the centreline, named by its distance from the base."""
+
+    name: Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
+    arc_mm: Annotated[float, msgspec.Meta(ge=0, le=2000)]
+
+
+class SensingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What sensing looks for.
+
+    The backdrop is, for each camera, a picture taken without the robot (`background`: camera name to file); failing
+    that, one colour for all (`backdrop_colour` as R, G, B: equation 1 of the paper); failing that, a smooth surface
+    fitted to the frames themselves. Within `holder_radius_mm` of the axis nothing below the base is taken for robot.
+    """
+
+    nodal_points: Annotated[tuple[NodalPointSetting, ...], msgspec.Meta(min_length=1, max_length=200)]
+    background: dict[str, str] = {}
+    backdrop_colour: tuple[Level, Level, Level] | None = None
+    holder_radius_mm: Annotated[float, msgspec.Meta(ge=0, le=500)] = 25.0
+    maximum_skew_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.012
+    stage_age_limit_s: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.5
