@@ -16,14 +16,25 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Term:
-    """One share of the energy at some strain, flattened to 3 K unknowns."""
+class Weight:
+    """What gravity does to the rod in one configuration."""
 
     energy: float
     gradient: Array
     """(3K,)."""
-    hessian: Array
-    """(3K, 3K), symmetric; small terms may be missing, so that it is good for Newton steps only."""
+    turns: Array
+    """(3, 3K) axis, in the base frame, about which each strain turns everything beyond its piece."""
+    moment_N_mm: Array
+    """(K, 3) sum of weight times lever beyond the middle of each piece."""
+
+    def second_derivative(self) -> Array:
+        """(3K, 3K); valid in its upper triangle, where the row's strain lies nearer to the base.
+
+        Two turns a, then b nearer to the tip, lift a weight at lever r from b by z . (a x (b x r)).
+        """
+        moment = np.repeat(self.moment_N_mm.T, 3, axis=1)
+        derivative: Array = self.turns.T @ (moment * self.turns[2] - self.turns * moment[2])
+        return derivative
 
 
 @dataclass(frozen=True)
@@ -39,13 +50,6 @@ class Backbone:
     disk_weight_N: Array
     """(K,) weight lumped at the disk at the end of each piece."""
 
-    def elastic_energy(self, strain: Array) -> Term:
-        """Elastic energy at strain (3K,)."""
-        force = self.stiffness_N_mm * (strain - self.rest_strain_per_mm)
-        return Term(
-            0.5 * float(force @ (strain - self.rest_strain_per_mm)), force, np.diag(self.stiffness_N_mm)
-        )
-
     def slowed(self, strain: Array, retardation: float) -> "Backbone":
         """The backbone that stands for this one with a viscous pull towards `strain`, `retardation` times as stiff."""
         return replace(
@@ -54,29 +58,21 @@ class Backbone:
             rest_strain_per_mm=(self.rest_strain_per_mm + retardation * strain) / (1 + retardation),
         )
 
-    def weight_energy(self, pieces: Pieces, frames: Array, points_mm: Array) -> Term:
-        """Energy of height, for disk frames (K + 1, 3, 3) and disk centres (K + 1, 3) from base to tip.
-
-        A change of strain turns everything beyond its piece about that piece's end (`axes`) and shifts it.
-        """
-        count = len(self.disk_weight_N)
-        beyond_N = np.cumsum(self.disk_weight_N[::-1])[::-1]
-        moment_N_mm = np.cumsum((self.disk_weight_N[:, None] * points_mm[1:])[::-1], axis=0)[::-1]
-        lever = moment_N_mm - beyond_N[:, None] * points_mm[1:]
+    def weight(self, pieces: Pieces, frames: Array, points_mm: Array) -> Weight:
+        """Gravity's share, for frames (K + 1, 3, 3) and centres (K + 1, 3) of the base and every disk."""
+        weighted = np.column_stack([self.disk_weight_N, self.disk_weight_N[:, None] * points_mm[1:]])
+        beyond = np.cumsum(weighted[::-1], axis=0)[::-1]
+        weight, moment = beyond[:, :1], beyond[:, 1:] - beyond[:, :1] * points_mm[1:]
         length = self.piece_length_mm[:, None, None]
-        axes = frames[:-1] @ pieces.rotation_axes * length
-        rise = frames[:-1, 2:] @ pieces.translation_slope * length
-
-        sideways = np.stack([lever[:, 1], -lever[:, 0], np.zeros(count)], axis=1)
-        gradient = beyond_N[:, None] * rise[:, 0] + (sideways[:, None] @ axes)[:, 0]
-
-        middle_lever = lever + beyond_N[:, None] * (points_mm[1:] - points_mm[:-1]) / 2
-        flat = axes.transpose(1, 0, 2).reshape(3, 3 * count)
-        onto_lever = np.repeat(flat.T @ middle_lever.T, 3, axis=1)
-        turned_twice = onto_lever * flat[2] - (flat.T @ flat) * np.repeat(middle_lever[:, 2], 3)
-        tipward = np.triu(turned_twice)
-        hessian = tipward + tipward.T - np.diag(np.diag(tipward))
-        return Term(float(self.disk_weight_N @ points_mm[1:, 2]), gradient.ravel(), hessian)
+        axes = (frames[:-1] @ pieces.rotation_axes) * length
+        rise = (frames[:-1, 2:] @ pieces.translation_slope)[:, 0] * self.piece_length_mm[:, None]
+        gradient = weight * rise + moment[:, 1:2] * axes[:, 0] - moment[:, :1] * axes[:, 1]
+        return Weight(
+            energy=float(self.disk_weight_N @ points_mm[1:, 2]),
+            gradient=gradient.ravel(),
+            turns=axes.transpose(1, 0, 2).reshape(3, -1),
+            moment_N_mm=moment + weight * (points_mm[1:] - points_mm[:-1]) / 2,
+        )
 
 
 def build_backbone(settings: SimulatedRobotSettings) -> Backbone:
@@ -104,10 +100,13 @@ def piece_count(section: SectionSettings) -> int:
 def disk_frames(pieces: Pieces) -> tuple[Array, Array]:
     """Frames (K + 1, 3, 3) and centres (K + 1, 3) in mm of the base and of every disk, with the base at the origin."""
     count = len(pieces.rotation)
-    frames = np.empty((count + 1, 3, 3))
-    frames[0] = np.eye(3)
-    for k in range(count):
-        np.matmul(frames[k], pieces.rotation[k], out=frames[k + 1])
+    frames = np.concatenate([np.eye(3)[None], pieces.rotation])
+    span = 1
+    while (
+        span <= count
+    ):  # products of neighbours, then of neighbouring pairs, ...: a scan without a loop over pieces
+        frames[span:] = frames[:-span] @ frames[span:]
+        span *= 2
     points = np.zeros((count + 1, 3))
     np.cumsum((frames[:-1] @ pieces.translation[:, :, None])[:, :, 0], axis=0, out=points[1:])
     return frames, points

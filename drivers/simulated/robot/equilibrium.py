@@ -4,18 +4,19 @@ Newton's method with a line search. The unknowns are the strains of all pieces, 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.simulated.robot.backbone import Backbone, Term, disk_frames
+from drivers.simulated.robot.backbone import Backbone, Weight, disk_frames
 from drivers.simulated.robot.subsegment import Pieces, move_with_slopes
 from drivers.simulated.robot.tendons import TendonPath, TendonRouting
 
 Array = NDArray[np.float64]
 
-_SETTLED_N_MM = 1e-9  # energy still to be gained; about a micrometre at the tip
+_SETTLED_N_MM = 1e-8  # energy still to be gained; a few micrometres at the tip
 _LARGEST_CHANGE_PER_MM = 0.03
 _SHORTEST_STEP = 1e-4
 
@@ -48,10 +49,12 @@ class Configuration:
     """(K + 1, 3, 3) of the base and every disk."""
     points_mm: Array
     """(K + 1, 3)."""
+    weight: Weight
     path: TendonPath
     pull: TendonPull
-    energy: Term
-    settled: bool = False
+    energy: float
+    gradient: Array
+    """(3K,)."""
 
 
 @dataclass(frozen=True)
@@ -66,67 +69,69 @@ class Mechanics:
         by_piece = strain.reshape(-1, 3)
         pieces = move_with_slopes(by_piece, self.backbone.piece_length_mm)
         frames, points_mm = disk_frames(pieces)
+        weight = self.backbone.weight(pieces, frames, points_mm)
         path = self.routing.path(by_piece, pieces)
         pull = law(path.distance_mm)
-        shares = (
-            self.backbone.elastic_energy(strain),
-            self.backbone.weight_energy(pieces, frames, points_mm),
-            self._tendon_energy(path, pieces, pull),
+        flexed = strain - self.backbone.rest_strain_per_mm
+        elastic = self.backbone.stiffness_N_mm * flexed
+        tendons = (pull.tension_N[:, :, None] * path.slope_mm2).sum(axis=0).ravel()
+        return Configuration(
+            strain=strain,
+            pieces=pieces,
+            frames=frames,
+            points_mm=points_mm,
+            weight=weight,
+            path=path,
+            pull=pull,
+            energy=float(elastic @ flexed) / 2 + weight.energy + pull.energy,
+            gradient=elastic + weight.gradient + tendons,
         )
-        total = Term(
-            sum(share.energy for share in shares),
-            sum((share.gradient for share in shares), np.zeros_like(strain)),
-            sum((share.hessian for share in shares), np.zeros((strain.size, strain.size))),
-        )
-        return Configuration(strain, pieces, frames, points_mm, path, pull, total)
 
-    def descend(self, start: Array, law: TendonLaw, max_steps: int) -> Configuration:
-        """Follow Newton's direction from strain (3K,) until no energy is to be gained, or for `max_steps` steps."""
+    def hessian(self, at: Configuration) -> Array:
+        """Second derivative (3K, 3K) of the energy, for Newton steps: small terms are left out."""
+        # with piece k at or before piece l, a tendon couples their strains by what resists length beyond piece k
+        resisting = np.cumsum(at.pull.stiffness_N_per_mm, axis=1)[:, :, None] * at.path.slope_mm2
+        tendons = len(resisting)
+        upper = resisting.reshape(tendons, -1).T @ at.path.slope_mm2.reshape(tendons, -1)
+        upper += at.weight.second_derivative()
+        piece = np.arange(len(self.backbone.piece_length_mm))
+        blocks = upper.reshape(len(piece), 3, len(piece), 3)
+        blocks[piece, :, piece, :] += self.routing.geometric_stiffness(at.path, at.pieces, at.pull.tension_N)
+        hessian = np.where(_upper_triangle(len(upper)), upper, upper.T)
+        hessian.flat[:: len(hessian) + 1] += self.backbone.stiffness_N_mm
+        return hessian
+
+    def descend(self, start: Array, law: TendonLaw, max_steps: int) -> tuple[Configuration, bool]:
+        """Follow Newton's direction from strain (3K,) for at most `max_steps`; also says whether it settled."""
         here = self.configuration(start, law)
         for _ in range(max_steps):
-            direction = self._downhill(here.energy)
-            gain = -float(here.energy.gradient @ direction)
-            if gain < _SETTLED_N_MM:
-                return _as_settled(here)
+            # tendons only stiffen the rod, so that the rod alone tells what energy may still be gained
+            if float(here.gradient**2 @ (1 / self.backbone.stiffness_N_mm)) < _SETTLED_N_MM:
+                return here, True
+            direction = self._downhill(here)
+            slope = float(here.gradient @ direction)
             step = min(1.0, _LARGEST_CHANGE_PER_MM / float(np.abs(direction).max()))
             there = self.configuration(here.strain + step * direction, law)
-            while there.energy.energy > here.energy.energy - 1e-3 * step * gain:
+            while there.energy > here.energy + 1e-3 * step * slope:
                 step /= 4
                 if step < _SHORTEST_STEP:
-                    return here
+                    return here, False
                 there = self.configuration(here.strain + step * direction, law)
             here = there
-        return here
+        return here, False
 
-    def _downhill(self, energy: Term) -> Array:
-        """Newton's direction, stiffened by multiples of the backbone until it leads downhill."""
-        extra = 0.0
+    def _downhill(self, at: Configuration) -> Array:
+        """Newton's direction, the backbone stiffened until it leads downhill."""
+        hessian = self.hessian(at)
+        stiffening = 0.1
         while True:
-            hessian = energy.hessian + extra * np.diag(self.backbone.stiffness_N_mm)
-            if _is_positive(hessian):
-                return -np.linalg.solve(hessian, energy.gradient)
-            extra = max(0.1, 4 * extra)
-
-    def _tendon_energy(self, path: TendonPath, pieces: Pieces, pull: TendonPull) -> Term:
-        slope = path.slope_mm2
-        count = slope.shape[1]
-        gradient = np.einsum("tk,tki->ki", pull.tension_N, slope).ravel()
-        # derivative of every length beyond a disk by every strain
-        beyond = (np.triu(np.ones((count, count)))[:, :, None] * slope[:, None]).reshape(-1, 3 * count)
-        hessian = (beyond * pull.stiffness_N_per_mm.reshape(-1, 1)).T @ beyond
-        blocks = self.routing.geometric_stiffness(path, pieces, pull.tension_N)
-        diagonal = np.arange(count)
-        hessian.reshape(count, 3, count, 3)[diagonal, :, diagonal, :] += blocks
-        return Term(pull.energy, gradient, hessian)
+            direction: Array = -np.linalg.solve(hessian, at.gradient)
+            if at.gradient @ direction < 0:
+                return direction
+            hessian += stiffening * np.diag(self.backbone.stiffness_N_mm)
+            stiffening *= 4
 
 
-def _is_positive(matrix: Array) -> bool:
-    try:
-        np.linalg.cholesky(matrix)
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
-def _as_settled(configuration: Configuration) -> Configuration:
-    return replace(configuration, settled=True)
+@cache
+def _upper_triangle(size: int) -> NDArray[np.bool_]:
+    return np.triu(np.ones((size, size), dtype=bool))

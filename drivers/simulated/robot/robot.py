@@ -13,7 +13,7 @@ from drivers.simulated.robot.backbone import build_backbone
 from drivers.simulated.robot.equilibrium import Configuration, Mechanics, TendonPull
 from drivers.simulated.robot.errors import NoEquilibriumError, RobotInputError
 from drivers.simulated.robot.settings import SimulatedRobotSettings
-from drivers.simulated.robot.shape import Shape, sample_shape
+from drivers.simulated.robot.shape import Sampling, Shape
 from drivers.simulated.robot.tendons import route_tendons
 from drivers.simulated.robot.transmission import Friction, build_transmission
 
@@ -62,10 +62,12 @@ def static_shape(settings: SimulatedRobotSettings, tension_N: ArrayLike, inserti
     def constant(distance_mm: Array) -> TendonPull:
         return TendonPull(float((along * distance_mm).sum()), tension, along, none)
 
-    rest = mechanics.descend(mechanics.backbone.rest_strain_per_mm, constant, _NEWTON_STEPS_FROM_REST)
-    if not rest.settled:
+    rest, settled = mechanics.descend(
+        mechanics.backbone.rest_strain_per_mm, constant, _NEWTON_STEPS_FROM_REST
+    )
+    if not settled:
         raise NoEquilibriumError(f"no shape at rest found for tension_N {tension.tolist()}")
-    return sample_shape(mechanics.backbone, rest, insertion_mm, settings.centreline_points)
+    return Sampling(mechanics.backbone, settings.centreline_points).shape(rest, insertion_mm)
 
 
 class SimulatedRobot:
@@ -76,18 +78,19 @@ class SimulatedRobot:
 
     def __init__(self, settings: SimulatedRobotSettings) -> None:
         """At rest with all servos at zero. Raises RobotBuildError and NoEquilibriumError."""
-        self._settings = settings
+        self._damping_s = settings.damping_s
         self._mechanics = _mechanics(settings)
+        self._sampling = Sampling(self._mechanics.backbone, settings.centreline_points)
         routing = self._mechanics.routing
         self._transmission = build_transmission(settings, routing)
         self.servos = self._transmission.pull_per_displacement.shape[1]
         pulled = np.zeros(self.servos)
         unengaged = self._transmission.unengaged(routing.runs * routing.piece_length_mm)
         law = self._transmission.law(pulled, unengaged)
-        rest = self._mechanics.descend(
+        rest, settled = self._mechanics.descend(
             self._mechanics.backbone.rest_strain_per_mm, law, _NEWTON_STEPS_FROM_REST
         )
-        if not rest.settled:
+        if not settled:
             raise NoEquilibriumError("no shape at rest found for a robot whose servos are all at zero")
         self._memory = self._remember(rest, pulled, self._transmission.unengaged(rest.path.distance_mm))
         self.state = self._state(rest, 0.0)
@@ -103,9 +106,9 @@ class SimulatedRobot:
             raise RobotInputError(f"dt_s is {dt_s}; it must be positive and finite")
         memory = self._memory
         pulled = self._transmission.play(memory.pulled_mm, servo_mm)
-        slowed = self._mechanics.backbone.slowed(memory.strain, self._settings.damping_s / dt_s)
+        slowed = self._mechanics.backbone.slowed(memory.strain, self._damping_s / dt_s)
         law = self._transmission.law(pulled, memory.friction)
-        moved = replace(self._mechanics, backbone=slowed).descend(memory.strain, law, _NEWTON_STEPS)
+        moved, _ = replace(self._mechanics, backbone=slowed).descend(memory.strain, law, _NEWTON_STEPS)
         self._memory = self._remember(moved, pulled, memory.friction)
         self.state = self._state(moved, insertion_mm)
         return self.state
@@ -119,7 +122,7 @@ class SimulatedRobot:
         return _Memory(moved.strain, pulled_mm, slid)
 
     def _state(self, moved: Configuration, insertion_mm: float) -> RobotState:
-        shape = sample_shape(self._mechanics.backbone, moved, insertion_mm, self._settings.centreline_points)
+        shape = self._sampling.shape(moved, insertion_mm)
         tension = moved.pull.base_N
         return RobotState(shape, insertion_mm, tension, self._transmission.pull_per_displacement.T @ tension)
 

@@ -33,11 +33,11 @@ class SectionSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         270.0,
     )
     pitch_radius_mm: Positive = 4.0
-    backbone_radius_mm: Positive = 0.3
+    backbone_radius_mm: Positive = 0.4
     youngs_modulus_GPa: Positive = 60.0
     poisson_ratio: Annotated[float, msgspec.Meta(gt=-1, le=0.5)] = 0.3
     disk_spacing_mm: Positive = 4.0
-    stiffness_variation: Annotated[float, msgspec.Meta(gt=-1, lt=1)] = 0.3
+    stiffness_variation: Annotated[float, msgspec.Meta(gt=-1, lt=1)] = 0.4
     precurvature_per_mm: tuple[CurvaturePerMm, CurvaturePerMm] = (0.004, -0.003)
 
 
@@ -49,23 +49,25 @@ class SimulatedRobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
         SectionSettings(tendon_angles_deg=(45.0, 225.0, 135.0, 315.0), precurvature_per_mm=(-0.003, -0.004)),
     )
 
-    friction_coefficient: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.1
+    friction_coefficient: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.15
     """Capstan coefficient between a tendon and its disks: a fraction 1 - exp(-friction * bend) of the tension is lost."""
+    guide_bend_deg: Annotated[float, msgspec.Meta(ge=0, le=720)] = 90.0
+    """Angle by which every tendon is turned on its way from its servo to the base, with the same friction."""
     presliding_mm: Positive = 0.05
     """How far a tendon creeps at a disk before friction is fully engaged; keeps the tip from jumping."""
     backlash_mm: NotNegative = 0.15
     """Play between a servo and its pair: the displacement lost at each reversal."""
-    tendon_compliance_mm_per_N: NotNegative = 0.2
+    tendon_compliance_mm_per_N: NotNegative = 0.3
     """Stretch of one tendon from servo to tip; 0 means practically rigid."""
-    pretension_N: NotNegative = 1.0
+    pretension_N: NotNegative = 4.0
     """Tension of every tendon while the robot is straight."""
     coupling: Fraction = 1.0
     """Fraction of the pitch radius at which distal tendons cross the sections before their own; 0 leads them along the backbone."""
     gravity_m_s2: Annotated[float, msgspec.Meta(ge=0, le=20)] = 9.81
     """Gravity, along -Z."""
     backbone_density_g_cm3: NotNegative = 6.45
-    disk_mass_g: NotNegative = 0.3
-    tip_payload_g: NotNegative = 4.0
+    disk_mass_g: NotNegative = 0.6
+    tip_payload_g: NotNegative = 15.0
     damping_s: NotNegative = 0.1
     """Retardation time of the backbone (Kelvin-Voigt): a released robot straightens with this time constant."""
 

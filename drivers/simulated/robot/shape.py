@@ -22,13 +22,20 @@ class Shape:
     """(N, 3) unit vectors towards the tip."""
 
 
-def sample_shape(backbone: Backbone, configuration: Configuration, insertion_mm: float, count: int) -> Shape:
-    """`count` points of the robot, whose base the stage has moved to z = `insertion_mm`."""
-    ends_mm = np.cumsum(backbone.piece_length_mm)
-    arc_mm = np.linspace(0.0, ends_mm[-1], count)
-    piece = np.minimum(np.searchsorted(ends_mm, arc_mm), len(ends_mm) - 1)
-    into_piece_mm = arc_mm - (ends_mm - backbone.piece_length_mm)[piece]
-    rotation, translation = move_along(configuration.strain.reshape(-1, 3)[piece], into_piece_mm)
-    frames = configuration.frames[piece]
-    points = configuration.points_mm[piece] + (frames @ translation[:, :, None])[:, :, 0]
-    return Shape(points + [0.0, 0.0, insertion_mm], (frames @ rotation[:, :, 2:])[:, :, 0])
+class Sampling:
+    """Where along the backbone the centreline is sampled."""
+
+    def __init__(self, backbone: Backbone, count: int) -> None:
+        """`count` points, evenly spaced from base to tip."""
+        ends_mm = np.cumsum(backbone.piece_length_mm)
+        arc_mm = np.linspace(0.0, ends_mm[-1], count)
+        self._piece = np.minimum(np.searchsorted(ends_mm, arc_mm), len(ends_mm) - 1)
+        self._into_piece_mm = arc_mm - (ends_mm - backbone.piece_length_mm)[self._piece]
+
+    def shape(self, configuration: Configuration, insertion_mm: float) -> Shape:
+        """The shape of a robot whose base the stage has moved to z = `insertion_mm`."""
+        strain = configuration.strain.reshape(-1, 3)[self._piece]
+        moved = configuration.frames[self._piece] @ move_along(strain, self._into_piece_mm)
+        centreline_mm = configuration.points_mm[self._piece] + moved[:, :, 0]
+        centreline_mm[:, 2] += insertion_mm
+        return Shape(centreline_mm, moved[:, :, 1])

@@ -30,9 +30,7 @@ def _derivative(series: Array) -> Array:
     return np.append(series[1:] * _POWERS[1:], 0.0)
 
 
-_SERIES = np.stack([_A, _B, _C, _D, _derivative(_A), _derivative(_B), _derivative(_D)], axis=1)
-_E3 = np.array([0.0, 0.0, 1.0])
-_IDENTITY = np.eye(3)
+_SERIES = np.stack([_A, _B, _C, _D, _derivative(_A), _derivative(_B), _derivative(_D)])
 
 
 def hat(v: Array) -> Array:
@@ -41,6 +39,11 @@ def hat(v: Array) -> Array:
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
     matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = v[..., 2], -v[..., 1], v[..., 0]
     return matrix
+
+
+_E3 = np.array([0.0, 0.0, 1.0])
+_IDENTITY = np.eye(3)
+_HAT_E3 = hat(_E3)
 
 
 @dataclass(frozen=True)
@@ -63,49 +66,45 @@ class Pieces:
     """(K, 3, 3), mm/rad."""
 
 
-def move_along(strain_per_mm: Array, length_mm: Array) -> tuple[Array, Array]:
-    """Rotation (K, 3, 3) and translation (K, 3) over pieces with strain (K, 3) and length (K,)."""
+def move_along(strain_per_mm: Array, length_mm: Array) -> Array:
+    """Translation in mm and tangent at the end of pieces with strain (K, 3) and length (K,), as columns of (K, 3, 2)."""
     theta = strain_per_mm * length_mm[:, None]
-    A, B, C, *_ = _series(theta)
-    return _rotation(theta, A, C), _translation(theta, A, B) * length_mm[:, None]
+    A, B, C = _series(theta)[:3, :, 0]
+    x, y, z = theta.T[:, :, None]
+    once = np.concatenate([y, -x], axis=1)[:, :, None]
+    twice = np.concatenate([x * z, y * z, -(x * x + y * y)], axis=1)[:, :, None]
+    moved: Array = np.concatenate([B, A], axis=1)[:, None] * twice
+    moved[:, :2] += np.concatenate([A, C], axis=1)[:, None] * once
+    moved[:, 2] += 1.0
+    moved[:, :, 0] *= length_mm[:, None]
+    return moved
 
 
 def move_with_slopes(strain_per_mm: Array, length_mm: Array) -> Pieces:
-    """As `move_along`, with first derivatives."""
+    """Motion over pieces with strain (K, 3) and length (K,), with first derivatives."""
     theta = strain_per_mm * length_mm[:, None]
     A, B, C, D, A_slope, B_slope, D_slope = _series(theta)
     cross = hat(theta)
-    once = cross @ _E3
-    twice = (cross @ once[:, :, None])[:, :, 0]
-    twice_slope = (
-        theta[:, 2, None, None] * _IDENTITY + theta[:, :, None] * _E3 - 2 * _E3[:, None] * theta[:, None, :]
-    )
-    slope = 2 * (A_slope[:, None] * once + B_slope[:, None] * twice)[:, :, None] * theta[:, None, :]
-    slope += B[:, None, None] * twice_slope
-    slope -= A[:, None, None] * hat(_E3)
+    twice = cross @ cross
+    # the translation is the last column of the same matrix that turns the piece's end: I + A [theta] + B [theta]^2
+    along = _IDENTITY + A * cross + B * twice
+    sideways = 2 * (A_slope * cross[:, :, 2:] + B_slope * twice[:, :, 2:]) - 2 * B * _E3[:, None]
+    slope = sideways * theta[:, None, :] - A * _HAT_E3
+    slope += B * (theta[:, 2, None, None] * _IDENTITY + theta[:, :, None] * _E3)
     return Pieces(
-        A=A,
-        D=D,
-        A_slope=A_slope,
-        D_slope=D_slope,
-        rotation=_rotation(theta, A, C),
-        translation=_translation(theta, A, B) * length_mm[:, None],
-        rotation_axes=_IDENTITY + A[:, None, None] * cross + B[:, None, None] * (cross @ cross),
+        A=A[:, 0, 0],
+        D=D[:, 0, 0],
+        A_slope=A_slope[:, 0, 0],
+        D_slope=D_slope[:, 0, 0],
+        rotation=_IDENTITY + C * cross + A * twice,
+        translation=along[:, :, 2] * length_mm[:, None],
+        rotation_axes=along,
         translation_slope=slope * length_mm[:, None, None],
     )
 
 
 def _series(theta: Array) -> Array:
-    squared = np.einsum("ki,ki->k", theta, theta)
-    return (squared[:, None] ** _POWERS @ _SERIES).T
-
-
-def _rotation(theta: Array, A: Array, C: Array) -> Array:
-    cross = hat(theta)
-    return _IDENTITY + C[:, None, None] * cross + A[:, None, None] * (cross @ cross)
-
-
-def _translation(theta: Array, A: Array, B: Array) -> Array:
-    """Per length: e3 + A theta x e3 + B theta x (theta x e3)."""
-    x, y, z = theta.T
-    return np.stack([A * y + B * x * z, -A * x + B * y * z, 1.0 - B * (x * x + y * y)], axis=1)
+    """Every series, ready to multiply matrices: (7, K, 1, 1)."""
+    powers = np.vander((theta * theta).sum(axis=1), _TERMS, increasing=True)
+    values: Array = _SERIES @ powers.T
+    return values[:, :, None, None]

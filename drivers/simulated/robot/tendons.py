@@ -47,11 +47,8 @@ class TendonRouting:
     """(T, K) one where a tendon passes a piece, zero elsewhere."""
     piece_length_mm: Array
     """(K,)."""
-
-    @property
-    def last_piece(self) -> NDArray[np.intp]:
-        """(T,) index of the piece at whose tip a tendon ends."""
-        return self.runs.astype(bool).sum(axis=1) - 1
+    pitch_squared_mm2: Array
+    """(T, K)."""
 
     def path(self, strain: Array, pieces: Pieces) -> TendonPath:
         """Tendon paths at strain (K, 3)."""
@@ -59,15 +56,14 @@ class TendonRouting:
         P, Q = 2 * pieces.A, squared_mm2 * pieces.D
         # these times u are half the derivatives of P and Q
         P_slope, Q_slope = 2 * pieces.A_slope * squared_mm2, pieces.D_slope * squared_mm2**2
-        pitch_squared = np.einsum("tki,tki->tk", self.side_mm, self.side_mm)
         twist = strain[:, 2]
         stretch = 1 + np.einsum("tki,ki->tk", self.side_mm, strain)
-        arc_squared = stretch**2 + pitch_squared * twist**2
+        arc_squared = stretch**2 + self.pitch_squared_mm2 * twist**2
         distance = np.sqrt(squared_mm2 * (P * arc_squared + Q * twist**2) + _COLLAPSED_MM2)
         per_distance = self.runs / distance
         slope = (P * stretch)[..., None] * self.side_mm
         slope += (P_slope * arc_squared + Q_slope * twist**2)[..., None] * strain
-        slope[..., 2] += (P * pitch_squared + Q) * twist
+        slope[..., 2] += (P * self.pitch_squared_mm2 + Q) * twist
         slope *= (per_distance * squared_mm2)[..., None]
         return TendonPath(self.runs * distance, slope, per_distance, stretch)
 
@@ -102,4 +98,5 @@ def route_tendons(settings: SimulatedRobotSettings, backbone: Backbone) -> Tendo
         for angle in np.radians(section.tendon_angles_deg):
             sides.append(pitch_mm[:, None] * [np.sin(angle), -np.cos(angle), 0.0])
             runs.append((own | crossed).astype(np.float64))
-    return TendonRouting(np.array(sides), np.array(runs), backbone.piece_length_mm)
+    side_mm = np.array(sides)
+    return TendonRouting(side_mm, np.array(runs), backbone.piece_length_mm, (side_mm**2).sum(axis=2))

@@ -44,6 +44,7 @@ class Transmission:
     pretension_N: float
     backlash_mm: float
     friction_coefficient: float
+    guide_bend_rad: float
     presliding_mm: float
 
     def play(self, held_mm: Array, servo_mm: Array) -> Array:
@@ -79,7 +80,8 @@ class Transmission:
         beyond = _beyond(distance_mm)
         _, engaged = self._engagement(friction, beyond)
         before_N = np.column_stack([pull.base_N, pull.tension_N[:, :-1]])
-        lost = 1 - np.exp(-self.friction_coefficient * bend_rad)
+        wrap_rad = bend_rad + self.guide_bend_rad * (np.arange(len(bend_rad)) == 0)
+        lost = 1 - np.exp(-self.friction_coefficient * wrap_rad)
         return Friction(lost * np.maximum(before_N, pull.tension_N).clip(0.0), engaged, beyond)
 
     def unengaged(self, distance_mm: Array) -> Friction:
@@ -102,12 +104,13 @@ def build_transmission(settings: SimulatedRobotSettings, routing: TendonRouting)
             )
     servos = len(routing.runs) // 2
     return Transmission(
-        pull_per_displacement=np.kron(np.eye(servos), [[1.0], [-1.0]]),
+        pull_per_displacement=np.repeat(np.eye(servos), 2, axis=0) * np.tile([[1.0], [-1.0]], (servos, 1)),
         straight_mm=routing.runs @ routing.piece_length_mm,
         stiffness_N_per_mm=1 / (settings.tendon_compliance_mm_per_N + 1 / _STIFFEST_N_PER_MM),
         pretension_N=settings.pretension_N,
         backlash_mm=settings.backlash_mm,
         friction_coefficient=settings.friction_coefficient,
+        guide_bend_rad=np.radians(settings.guide_bend_deg),
         presliding_mm=settings.presliding_mm,
     )
 
