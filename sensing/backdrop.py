@@ -51,10 +51,10 @@ class Backdrop:
         y, x = np.mgrid[0:height:FIT_STRIDE, 0:width:FIT_STRIDE]
         terms = _surface_terms(x.ravel() / width - 0.5, y.ravel() / height - 0.5)
         weight = np.ones(len(colours))
-        coefficients = np.zeros((terms.shape[1], 3))
+        coefficients: FloatArray = np.zeros((terms.shape[1], 3))
         for _ in range(12):
             root = np.sqrt(weight)[:, None]
-            coefficients = np.linalg.lstsq(terms * root, colours * root, rcond=None)[0]
+            coefficients = np.asarray(np.linalg.lstsq(terms * root, colours * root, rcond=None)[0])
             distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
             scale = 2.0 * np.median(distance) + 1.0
             weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
@@ -79,7 +79,11 @@ def reduced(picture: Image) -> Image:
 
 def luma(picture: Image) -> Image:
     """Brightness (h, w) of a BGR picture; a grey one is returned as it is."""
-    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+    return (
+        picture
+        if picture.ndim == 2
+        else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+    )
 
 
 def noise_level(distance: FloatArray) -> float:

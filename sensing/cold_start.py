@@ -10,14 +10,14 @@ import numpy as np
 
 from messaging.checked import FloatArray
 from sensing import curve
-from sensing.backdrop import Backdrop, reduced
+from sensing.backdrop import SCALE, Backdrop, reduced
 from sensing.camera import Camera
 from sensing.errors import RefusedError
 from sensing.midline import half_width, midline
 from sensing.pairing import ordered_pairs, ray_gaps, triangulate
 from sensing.picture import Picture
 from sensing.refinement import Curve
-from sensing.segmentation import SCALE, BaseView, Mask, full_pixels, robot_mask
+from sensing.segmentation import BaseView, Mask, full_pixels, robot_mask
 
 MIDLINE_POINTS = 100
 BASE_STRETCH = 0.05
@@ -53,7 +53,9 @@ def cold_start(
 ) -> ColdStart:
     """Find the robot in every picture and in space; raises RefusedError naming the camera that does not show it."""
     silhouettes = {
-        camera.name: _silhouette(camera, pictures[camera.name], backdrops[camera.name], insertion_mm, holder_radius_mm)
+        camera.name: _silhouette(
+            camera, pictures[camera.name], backdrops[camera.name], insertion_mm, holder_radius_mm
+        )
         for camera in cameras
     }
     first, second = best_pair(cameras, np.array([0.0, 0.0, insertion_mm]))
@@ -81,7 +83,9 @@ def _silhouette(
     mask = robot_mask(camera.name, backdrop.distance(reduced(picture.colour)), base, holder_radius_mm)
     skeleton = midline(mask, base.pixel)
     if len(skeleton) < MIDLINE_POINTS // 5:
-        raise RefusedError(f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * SCALE} px long")
+        raise RefusedError(
+            f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * SCALE} px long"
+        )
     width = half_width(mask)
     return Silhouette(mask, full_pixels(skeleton), full_pixels(_evened(skeleton, width)), width * SCALE)
 

@@ -39,9 +39,10 @@ def contrast(picture: Image, backdrop: Image, places: FloatArray) -> FloatArray:
     """Backdrop minus picture in linear light at places (..., 2) given as (x, y) px, bilinearly; 0 outside of the picture."""
     x, y = (places[..., axis].astype(np.float32) for axis in (0, 1))
     seen, empty = (
-        cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE) for source in (picture, backdrop)
+        cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        for source in (picture, backdrop)
     )
-    return (LINEAR[empty] - LINEAR[seen]).reshape(x.shape)
+    return np.asarray((LINEAR[empty] - LINEAR[seen]).reshape(x.shape))
 
 
 def edge_pairs(

@@ -1,11 +1,11 @@
 """Errors of sensing.
 
-    NodalError
-    `-- SensingError
-        |-- UnreadableImageError    bytes that are not a whole picture
-        |-- ImageSizeError          a picture whose size is not its calibration's
-        |-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
-        `-- NodalPointError         a nodal point that is not on the robot
+NodalError
+`-- SensingError
+|-- UnreadableImageError    bytes that are not a whole picture
+|-- ImageSizeError          a picture whose size is not its calibration's
+|-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
+`-- NodalPointError         a nodal point that is not on the robot
 """
 
 from messaging.errors import NodalError

@@ -26,7 +26,9 @@ class Picture:
         if not data:
             raise UnreadableImageError(f"camera {camera}: the picture is empty (0 bytes)")
         if data.startswith(JPEG_START) and JPEG_END not in data[-64:]:
-            raise UnreadableImageError(f"camera {camera}: the JPEG of {len(data)} bytes is cut off before its end")
+            raise UnreadableImageError(
+                f"camera {camera}: the JPEG of {len(data)} bytes is cut off before its end"
+            )
         self.camera = camera
         self._data = np.frombuffer(data, np.uint8)
         self._size_px = size_px
@@ -47,7 +49,9 @@ class Picture:
         try:
             picture = cv2.imdecode(self._data, mode | cv2.IMREAD_IGNORE_ORIENTATION)
         except cv2.error as error:
-            raise UnreadableImageError(f"camera {self.camera}: the picture cannot be decoded ({error.err})") from error
+            raise UnreadableImageError(
+                f"camera {self.camera}: the picture cannot be decoded ({error.err})"
+            ) from error
         if picture is None:
             raise UnreadableImageError(
                 f"camera {self.camera}: {self._data.size} bytes are not a picture in a known format, or it is cut off"

@@ -13,7 +13,7 @@ from messaging.checked import FloatArray
 from messaging.frames import CameraCalibration
 from messaging.shape import Flag, NodalPoints
 from sensing import curve, quality
-from sensing.backdrop import Backdrop, Image
+from sensing.backdrop import Backdrop
 from sensing.camera import Camera
 from sensing.cold_start import ColdStart, cold_start
 from sensing.errors import NodalPointError
@@ -39,17 +39,24 @@ class Scene:
     def of(
         cls,
         calibrations: tuple[CameraCalibration, ...],
-        backgrounds: Mapping[str, Image],
+        backgrounds: Mapping[str, bytes],
         colour_rgb: tuple[float, float, float] | None,
         length_mm: float | None,
         holder_radius_mm: float,
     ) -> "Scene":
-        """The scene of these cameras; `backgrounds` are BGR pictures without the robot, `colour_rgb` stands in for all."""
-        backdrops = {name: Backdrop.from_picture(picture) for name, picture in backgrounds.items()}
-        if colour_rgb is not None:
-            for calibration in calibrations:
-                size = calibration.width_px, calibration.height_px
-                backdrops.setdefault(calibration.camera, Backdrop.from_colour(colour_rgb[::-1], size))
+        """The scene of these cameras; `backgrounds` are coded pictures without the robot, by camera.
+
+        Where there is none, `colour_rgb` stands in, if given. Raises UnreadableImageError or ImageSizeError.
+        """
+        backdrops = {}
+        for calibration in calibrations:
+            size = calibration.width_px, calibration.height_px
+            if data := backgrounds.get(calibration.camera):
+                backdrops[calibration.camera] = Backdrop.from_picture(
+                    Picture(calibration.camera, data, size).colour
+                )
+            elif colour_rgb is not None:
+                backdrops[calibration.camera] = Backdrop.from_colour(colour_rgb[::-1], size)
         return cls(tuple(map(Camera, calibrations)), backdrops, length_mm, holder_radius_mm)
 
     def picture(self, camera: str, data: bytes) -> Picture:
@@ -179,7 +186,12 @@ def _views(
 
 
 def _judged(
-    fit: Fit, tip: Tip, scene: Scene, prior: Prior, backdrops: Mapping[str, Backdrop], stages: ColdStart | None
+    fit: Fit,
+    tip: Tip,
+    scene: Scene,
+    prior: Prior,
+    backdrops: Mapping[str, Backdrop],
+    stages: ColdStart | None,
 ) -> Shape:
     unjudged = Shape(
         fit=fit,

@@ -1,9 +1,9 @@
-"""The sensing process: frame sets in; frames, estimates and what viewers draw out."""
+"""The sensing process: read frame sets, estimate, publish."""
 
-from collections.abc import Callable, Mapping
 import logging
-from threading import Event
 import time
+from collections.abc import Callable, Mapping
+from threading import Event
 
 import cv2
 import numpy as np
@@ -13,19 +13,124 @@ from messaging import topics
 from messaging.control import Reply, TendonState
 from messaging.errors import NodalError
 from messaging.frames import CameraCalibration, Frame
-from messaging.message import Message
-from messaging.session import Publisher, Session
+from messaging.session import Query, Session
 from messaging.settings import RobotSettings
-from messaging.shape import Flag, NodalPoints, ShapeEstimate
+from messaging.shape import NodalPoints
 from messaging.views import CameraPoseView, CameraView, CentrelineView, NodalPointsView
-from sensing.errors import SensingError
-from sensing.picture import decoded
-from sensing.pipeline import Scene, Shape, covered_nodes, estimate
-from sensing.reporting import estimate_message, refusal_message
+from sensing.pipeline import Scene
+from sensing.sensor import Sensor
 from sensing.settings import SensingSettings
-from sensing.stage_height import StageHeight
 
 logger = logging.getLogger(__name__)
 
 POLL_S = 0.001
 RIG_PERIOD_S = 1.0
+STAGE_REPORTS_DEPTH = 256
+
+
+def run(
+    settings: SensingSettings,
+    robot: RobotSettings,
+    calibrations: tuple[CameraCalibration, ...],
+    backgrounds: Mapping[str, bytes],
+    cameras: Mapping[str, CameraSettings],
+    session: Session,
+    stop: Event,
+    healthy: Callable[[], None],
+) -> None:
+    """Sense until `stop` is set. `backgrounds` are coded pictures of the scene without the robot, by camera.
+
+    A bad frame becomes a refusal that says why; a camera that falls silent is named in the log and waited for.
+    """
+    cv2.setNumThreads(1)
+    scene = Scene.of(
+        calibrations, backgrounds, settings.backdrop_colour, robot.length_mm, settings.holder_radius_mm
+    )
+    sensor = Sensor(scene, _configured(settings), robot.length_mm, settings.stage_age_limit_s)
+    speaker = _Speaker(session, calibrations)
+    stage_reports = session.every(topics.TENDON_STATE, STAGE_REPORTS_DEPTH)
+    questions = session.answers(topics.SENSING_NODES)
+    pairing = FrameSetPairing(tuple(cameras), settings.maximum_skew_s)
+    with open_cameras(cameras, session) as sources:
+        while not stop.is_set():
+            while (report := stage_reports.take()) is not None:
+                sensor.heard(TendonState.from_bytes(report.payload))
+            while (question := questions.take()) is not None:
+                question.reply(_renamed(sensor, question))
+            frames = [frame for source in sources if (frame := source.read()) is not None]
+            frame_sets = [frame_set for frame in frames if (frame_set := pairing.feed(frame)) is not None]
+            for frame_set in frame_sets:
+                speaker.say_frames(frame_set)
+            if frame_sets:
+                # what has piled up is published for the log, but only the newest set is worth an estimate
+                speaker.say_estimate(sensor, frame_sets[-1])
+            else:
+                stop.wait(POLL_S)
+            speaker.say_rig()
+            healthy()
+
+
+class _Speaker:
+    """Everything that sensing says. Frame sets are numbered here."""
+
+    def __init__(self, session: Session, calibrations: tuple[CameraCalibration, ...]) -> None:
+        self._frames = {
+            known.camera: session.publisher(topics.CAMERA.named(known.camera)) for known in calibrations
+        }
+        self._shape = session.publisher(topics.SHAPE)
+        self._centreline = session.publisher(topics.CENTRELINE)
+        self._nodal_points = session.publisher(topics.NODAL_POINTS)
+        self._rig = [
+            (session.publisher(topic.named(known.camera)), view.of(known))
+            for known in calibrations
+            for topic, view in ((topics.CAMERA_CALIBRATION, CameraView), (topics.CAMERA_POSE, CameraPoseView))
+        ]
+        self._rig_due_s = 0.0
+        self._sequence = -1
+        # the log's clock is Unix time; ages are measured on the monotonic clock that stamps the captures
+        self._unix_from_monotonic_ns = time.time_ns() - time.monotonic_ns()
+
+    def say_frames(self, frame_set: FrameSet) -> None:
+        self._sequence += 1
+        for frame in frame_set.frames:
+            capture_time_ns = frame.capture_monotonic_ns + self._unix_from_monotonic_ns
+            message = Frame(camera=frame.name, capture_time_ns=capture_time_ns, jpeg=frame.jpeg)
+            self._frames[frame.name].put(message, self._sequence)
+
+    def say_estimate(self, sensor: Sensor, frame_set: FrameSet) -> None:
+        captured_ns = frame_set.capture_monotonic_ns
+        estimate = sensor.estimate(
+            {frame.name: frame.jpeg for frame in frame_set.frames},
+            self._sequence,
+            captured_ns + self._unix_from_monotonic_ns,
+            lambda: time.monotonic_ns() - captured_ns,
+        )
+        self._shape.put(estimate)
+        if estimate.refusal:
+            logger.warning("no shape in frame set %d: %s", estimate.sequence, estimate.refusal)
+            return
+        self._centreline.put(CentrelineView.of(estimate))
+        self._nodal_points.put(NodalPointsView.of(estimate))
+
+    def say_rig(self) -> None:
+        if time.monotonic() >= self._rig_due_s:
+            self._rig_due_s = time.monotonic() + RIG_PERIOD_S
+            for publisher, view in self._rig:
+                publisher.put(view)
+
+
+def _configured(settings: SensingSettings) -> NodalPoints:
+    return NodalPoints(
+        names=tuple(point.name for point in settings.nodal_points),
+        arc_mm=np.array([point.arc_mm for point in settings.nodal_points]),
+    )
+
+
+def _renamed(sensor: Sensor, question: Query) -> Reply:
+    try:
+        points = question.request()
+        if isinstance(points, NodalPoints):
+            sensor.name_points(points)
+        return Reply(accepted=True, state="", reason="")
+    except NodalError as error:
+        return Reply(accepted=False, state="", reason=str(error))

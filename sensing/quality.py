@@ -38,7 +38,10 @@ def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
     for (one, first), (other, second) in combinations(enumerate(cameras), 2):
         both = fit.views[one].valid & fit.views[other].valid
         if both.any():
-            rays = [camera.rays(fit.views[index].middle_px[both]) for index, camera in ((one, first), (other, second))]
+            rays = [
+                camera.rays(fit.views[index].middle_px[both])
+                for index, camera in ((one, first), (other, second))
+            ]
             gaps.append(triangulate(first, rays[0], second, rays[1])[1])
     return float(np.concatenate(gaps).mean()) if gaps else float("nan")
 
@@ -53,9 +56,13 @@ def flags(
     explained = [float(view.valid.mean()) for view in fit.views]
     ends = [view.end_px for view in fit.views if view.end_px is not None]
     end_mm = [abs(view.end_px) * view.mm_per_px for view in fit.views if view.end_px is not None]
-    too_long = prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
+    too_long = (
+        prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
+    )
     merged = any(
-        unexplained(camera, fit, masks[camera.name]) > UNEXPLAINED_SHARE for camera in cameras if camera.name in masks
+        unexplained(camera, fit, masks[camera.name]) > UNEXPLAINED_SHARE
+        for camera in cameras
+        if camera.name in masks
     )
     found = {
         Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED or not residual_px(fit) < LARGE_RESIDUAL_PX,
@@ -78,7 +85,7 @@ def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     for strip in range(curve.SAMPLES - 1):
         quad = outline[[strip, strip + 1, -2 - strip, -1 - strip]]
         cv2.fillConvexPoly(tube, np.round(quad * 16).astype(np.int32), 255, shift=4)
-    tube = np.asarray(cv2.dilate(tube, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1))))
-    return float(np.count_nonzero(mask & ~tube)) / max(np.count_nonzero(mask), 1)
-
-
+    tube = np.asarray(
+        cv2.dilate(tube, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1)))
+    )
+    return float(np.count_nonzero(mask & ~tube)) / max(int(np.count_nonzero(mask)), 1)

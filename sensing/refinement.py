@@ -21,6 +21,7 @@ from sensing import curve
 from sensing.backdrop import Image
 from sensing.camera import Camera
 from sensing.edges import edge_pairs, ends
+from sensing.errors import RefusedError
 
 EDGE_PX = 0.25
 """Standard deviation of one measured middle, systematic part included."""
@@ -32,7 +33,7 @@ SMOOTH_MM = 60.0
 """Standard deviation of the change of curvature between neighbouring knots, times the length squared, in mm."""
 
 
-SMOOTHNESS: FloatArray = np.kron(curve.JUMPS.T @ curve.JUMPS, np.eye(3)) / SMOOTH_MM**2
+SMOOTHNESS: FloatArray = np.asarray(np.kron(curve.JUMPS.T @ curve.JUMPS, np.eye(3)) / SMOOTH_MM**2)
 LEAST_FORESHORTENING = 0.2
 """Below this sine between the tip's direction and the sight the end cannot be told from the tube's side."""
 END_LINES: FloatArray = np.array([-0.75, -0.4, 0.0, 0.4, 0.75])
@@ -83,7 +84,8 @@ class Prior:
 @dataclass(frozen=True)
 class ViewFit:
     """How one camera agrees: residual (SAMPLES,) px where `valid`, measured midline (SAMPLES, 2) and half widths in px,
-    the end's residual in px (None: unseen), and the scale at the tip."""
+    the end's residual in px (None: unseen), and the scale at the tip.
+    """
 
     residual_px: FloatArray
     valid: NDArray[np.bool_]
@@ -151,9 +153,12 @@ class _System:
         self.cost += float(weights @ residuals**2)
 
     def solve(self) -> tuple[FloatArray, FloatArray, float]:
-        """The step, the covariance and the cost before the step."""
-        covariance = np.linalg.inv(self.matrix)
-        return covariance @ self.vector, covariance, self.cost
+        """The step, the covariance and the cost before the step; raises RefusedError."""
+        try:
+            covariance = np.asarray(np.linalg.inv(self.matrix))
+        except np.linalg.LinAlgError as error:
+            raise RefusedError(f"the pictures do not determine a curve ({error})") from error
+        return np.asarray(covariance @ self.vector), covariance, self.cost
 
     def point_rows(self, basis: FloatArray, directions: FloatArray) -> FloatArray:
         """Rows for directions (k, 3) at basis rows (k, n): the derivative of direction . position."""
@@ -179,7 +184,9 @@ class _System:
         if prior.length_mm is not None:
             row = np.zeros((1, self.size))
             row[0, -1] = 1.0
-            self.add(row, np.array([prior.length_mm - fitted.length_mm]), np.array([prior.length_spread_mm**-2]))
+            self.add(
+                row, np.array([prior.length_mm - fitted.length_mm]), np.array([prior.length_spread_mm**-2])
+            )
 
 
 def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:

@@ -9,7 +9,12 @@ from sensing.pipeline import Shape
 
 
 def estimate_message(
-    shape: Shape, points: NodalPoints, sequence: int, capture_time_ns: int, age_ns: int, extra_flags: tuple[Flag, ...]
+    shape: Shape,
+    points: NodalPoints,
+    sequence: int,
+    capture_time_ns: int,
+    age_ns: int,
+    extra_flags: tuple[Flag, ...],
 ) -> ShapeEstimate:
     """The message of a resolved shape; `extra_flags` are those that the pictures cannot know of."""
     nodes, covariance = shape.nodes(points.arc_mm)

@@ -91,5 +91,7 @@ def _component_at_base(name: str, mask: Mask, rows: NDArray[np.int_], columns: N
     label = int(np.bincount(touched).argmax())
     area = int(statistics[label, cv2.CC_STAT_AREA])
     if area < SMALLEST_ROBOT_PX:
-        raise RefusedError(f"camera {name}: what stands at the base is too small for a robot ({area * SCALE**2} px)")
+        raise RefusedError(
+            f"camera {name}: what stands at the base is too small for a robot ({area * SCALE**2} px)"
+        )
     return np.where(labels == label, np.uint8(255), np.uint8(0))

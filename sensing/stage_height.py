@@ -29,5 +29,7 @@ class StageHeight:
         start = self._history[0][0]
         times = np.array([when - start for when, _ in self._history], dtype=np.float64)
         heights = np.array([height for _, height in self._history])
-        gap_ns = min(abs(time_ns - start - times[-1]), 0 if times[0] <= time_ns - start <= times[-1] else np.inf)
+        gap_ns = min(
+            abs(time_ns - start - times[-1]), 0 if times[0] <= time_ns - start <= times[-1] else np.inf
+        )
         return float(np.interp(time_ns - start, times, heights)), bool(gap_ns <= self._age_limit_ns)
