@@ -39,8 +39,8 @@ TendonLaw = Callable[[Array], TendonPull]
 
 
 @dataclass(frozen=True)
-class Configuration:
-    """The robot at one strain, with its base at the origin."""
+class Pose:
+    """The robot at one strain, whatever its tendons do, with its base at the origin."""
 
     strain: Array
     """(3K,)."""
@@ -51,6 +51,13 @@ class Configuration:
     """(K + 1, 3)."""
     weight: Weight
     path: TendonPath
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A pose and the forces in it."""
+
+    pose: Pose
     pull: TendonPull
     energy: float
     gradient: Array
@@ -64,46 +71,47 @@ class Mechanics:
     backbone: Backbone
     routing: TendonRouting
 
-    def configuration(self, strain: Array, law: TendonLaw) -> Configuration:
-        """The robot at strain (3K,), with the tendons under `law`."""
+    def pose(self, strain: Array) -> Pose:
+        """The robot at strain (3K,)."""
         by_piece = strain.reshape(-1, 3)
         pieces = move_with_slopes(by_piece, self.backbone.piece_length_mm)
         frames, points_mm = disk_frames(pieces)
-        weight = self.backbone.weight(pieces, frames, points_mm)
-        path = self.routing.path(by_piece, pieces)
-        pull = law(path.distance_mm)
-        flexed = strain - self.backbone.rest_strain_per_mm
-        elastic = self.backbone.stiffness_N_mm * flexed
-        tendons = (pull.tension_N[:, :, None] * path.slope_mm2).sum(axis=0).ravel()
-        return Configuration(
+        return Pose(
             strain=strain,
             pieces=pieces,
             frames=frames,
             points_mm=points_mm,
-            weight=weight,
-            path=path,
-            pull=pull,
-            energy=float(elastic @ flexed) / 2 + weight.energy + pull.energy,
-            gradient=elastic + weight.gradient + tendons,
+            weight=self.backbone.weight(pieces, frames, points_mm),
+            path=self.routing.path(by_piece, pieces),
         )
 
-    def hessian(self, at: Configuration) -> Array:
+    def balance(self, pose: Pose, law: TendonLaw) -> Balance:
+        """Energy and forces in a pose with the tendons under `law`."""
+        pull = law(pose.path.distance_mm)
+        flexed = pose.strain - self.backbone.rest_strain_per_mm
+        elastic = self.backbone.stiffness_N_mm * flexed
+        tendons = (pull.tension_N[:, :, None] * pose.path.slope_mm2).sum(axis=0).ravel()
+        energy = float(elastic @ flexed) / 2 + pose.weight.energy + pull.energy
+        return Balance(pose, pull, energy, elastic + pose.weight.gradient + tendons)
+
+    def hessian(self, at: Balance) -> Array:
         """Second derivative (3K, 3K) of the energy, for Newton steps: small terms are left out."""
+        path, pull = at.pose.path, at.pull
         # with piece k at or before piece l, a tendon couples their strains by what resists length beyond piece k
-        resisting = np.cumsum(at.pull.stiffness_N_per_mm, axis=1)[:, :, None] * at.path.slope_mm2
-        tendons = len(resisting)
-        upper = resisting.reshape(tendons, -1).T @ at.path.slope_mm2.reshape(tendons, -1)
-        upper += at.weight.second_derivative()
-        piece = np.arange(len(self.backbone.piece_length_mm))
-        blocks = upper.reshape(len(piece), 3, len(piece), 3)
-        blocks[piece, :, piece, :] += self.routing.geometric_stiffness(at.path, at.pieces, at.pull.tension_N)
+        resisting = np.cumsum(pull.stiffness_N_per_mm, axis=1)[:, :, None] * path.slope_mm2
+        tendons, pieces, _ = resisting.shape
+        upper = resisting.reshape(tendons, -1).T @ path.slope_mm2.reshape(tendons, -1)
+        upper += at.pose.weight.second_derivative()
+        piece = np.arange(pieces)
+        blocks = upper.reshape(pieces, 3, pieces, 3)
+        blocks[piece, :, piece, :] += self.routing.geometric_stiffness(path, at.pose.pieces, pull.tension_N)
         hessian = np.where(_upper_triangle(len(upper)), upper, upper.T)
         hessian.flat[:: len(hessian) + 1] += self.backbone.stiffness_N_mm
         return hessian
 
-    def descend(self, start: Array, law: TendonLaw, max_steps: int) -> tuple[Configuration, bool]:
-        """Follow Newton's direction from strain (3K,) for at most `max_steps`; also says whether it settled."""
-        here = self.configuration(start, law)
+    def descend(self, start: Pose, law: TendonLaw, max_steps: int) -> tuple[Balance, bool]:
+        """Follow Newton's direction from a pose for at most `max_steps`; also says whether it settled."""
+        here = self.balance(start, law)
         for _ in range(max_steps):
             # tendons only stiffen the rod, so that the rod alone tells what energy may still be gained
             if float(here.gradient**2 @ (1 / self.backbone.stiffness_N_mm)) < _SETTLED_N_MM:
@@ -111,21 +119,21 @@ class Mechanics:
             direction = self._downhill(here)
             slope = float(here.gradient @ direction)
             step = min(1.0, _LARGEST_CHANGE_PER_MM / float(np.abs(direction).max()))
-            there = self.configuration(here.strain + step * direction, law)
+            there = self.balance(self.pose(here.pose.strain + step * direction), law)
             while there.energy > here.energy + 1e-3 * step * slope:
                 step /= 4
                 if step < _SHORTEST_STEP:
                     return here, False
-                there = self.configuration(here.strain + step * direction, law)
+                there = self.balance(self.pose(here.pose.strain + step * direction), law)
             here = there
         return here, False
 
-    def _downhill(self, at: Configuration) -> Array:
+    def _downhill(self, at: Balance) -> Array:
         """Newton's direction, the backbone stiffened until it leads downhill."""
         hessian = self.hessian(at)
         stiffening = 0.1
         while True:
-            direction: Array = -np.linalg.solve(hessian, at.gradient)
+            direction = np.asarray(-np.linalg.solve(hessian, at.gradient), dtype=np.float64)
             if at.gradient @ direction < 0:
                 return direction
             hessian += stiffening * np.diag(self.backbone.stiffness_N_mm)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivers.simulated.robot.backbone import build_backbone
-from drivers.simulated.robot.equilibrium import Configuration, Mechanics, TendonPull
+from drivers.simulated.robot.equilibrium import Balance, Mechanics, Pose, TendonPull
 from drivers.simulated.robot.errors import NoEquilibriumError, RobotInputError
 from drivers.simulated.robot.settings import SimulatedRobotSettings
 from drivers.simulated.robot.shape import Sampling, Shape
@@ -39,7 +39,7 @@ class RobotState:
 class _Memory:
     """What a step leaves to the next one."""
 
-    strain: Array
+    pose: Pose
     pulled_mm: Array
     friction: Friction
 
@@ -51,7 +51,7 @@ def static_shape(settings: SimulatedRobotSettings, tension_N: ArrayLike, inserti
     where the solver finds no rest.
     """
     mechanics = _mechanics(settings)
-    tension = _checked("tension_N", tension_N, len(mechanics.routing.runs))
+    tension = _checked("tension_N", tension_N, (len(mechanics.routing.runs),))
     if (tension < 0).any():
         raise RobotInputError(
             f"tension_N is {tension.tolist()}; tendons only pull, so all must be at least 0"
@@ -62,16 +62,15 @@ def static_shape(settings: SimulatedRobotSettings, tension_N: ArrayLike, inserti
     def constant(distance_mm: Array) -> TendonPull:
         return TendonPull(float((along * distance_mm).sum()), tension, along, none)
 
-    rest, settled = mechanics.descend(
-        mechanics.backbone.rest_strain_per_mm, constant, _NEWTON_STEPS_FROM_REST
-    )
+    start = mechanics.pose(mechanics.backbone.rest_strain_per_mm)
+    rest, settled = mechanics.descend(start, constant, _NEWTON_STEPS_FROM_REST)
     if not settled:
         raise NoEquilibriumError(f"no shape at rest found for tension_N {tension.tolist()}")
-    return Sampling(mechanics.backbone, settings.centreline_points).shape(rest, insertion_mm)
+    return Sampling(mechanics.backbone, settings.centreline_points).shape(rest.pose, insertion_mm)
 
 
 class SimulatedRobot:
-    """A robot that remembers: its strain, where its play lies and how its tendons rub.
+    """A robot that remembers: its pose, where its play lies and how its tendons rub.
 
     Servos are numbered section by section, one for each pair of tendons.
     """
@@ -81,18 +80,16 @@ class SimulatedRobot:
         self._damping_s = settings.damping_s
         self._mechanics = _mechanics(settings)
         self._sampling = Sampling(self._mechanics.backbone, settings.centreline_points)
-        routing = self._mechanics.routing
-        self._transmission = build_transmission(settings, routing)
+        self._transmission = build_transmission(settings, self._mechanics.routing)
         self.servos = self._transmission.pull_per_displacement.shape[1]
-        pulled = np.zeros(self.servos)
-        unengaged = self._transmission.unengaged(routing.runs * routing.piece_length_mm)
-        law = self._transmission.law(pulled, unengaged)
-        rest, settled = self._mechanics.descend(
-            self._mechanics.backbone.rest_strain_per_mm, law, _NEWTON_STEPS_FROM_REST
-        )
+        start = self._mechanics.pose(self._mechanics.backbone.rest_strain_per_mm)
+        nothing_pulled = np.zeros(self.servos)
+        law = self._transmission.law(nothing_pulled, self._transmission.unengaged(start.path.distance_mm))
+        rest, settled = self._mechanics.descend(start, law, _NEWTON_STEPS_FROM_REST)
         if not settled:
             raise NoEquilibriumError("no shape at rest found for a robot whose servos are all at zero")
-        self._memory = self._remember(rest, pulled, self._transmission.unengaged(rest.path.distance_mm))
+        unengaged = self._transmission.unengaged(rest.pose.path.distance_mm)
+        self._memory = self._remember(rest, nothing_pulled, unengaged)
         self.state = self._state(rest, 0.0)
 
     def step(self, servo_displacement_mm: ArrayLike, insertion_mm: float, dt_s: float) -> RobotState:
@@ -100,29 +97,29 @@ class SimulatedRobot:
 
         Raises RobotInputError for values that are not finite, of the wrong shape, or a dt_s that is not positive.
         """
-        servo_mm = _checked("servo_displacement_mm", servo_displacement_mm, self.servos)
-        _checked("insertion_mm", [insertion_mm], 1)
+        servo_mm = _checked("servo_displacement_mm", servo_displacement_mm, (self.servos,))
+        _checked("insertion_mm", insertion_mm, ())
         if not 0 < dt_s < np.inf:
             raise RobotInputError(f"dt_s is {dt_s}; it must be positive and finite")
         memory = self._memory
         pulled = self._transmission.play(memory.pulled_mm, servo_mm)
-        slowed = self._mechanics.backbone.slowed(memory.strain, self._damping_s / dt_s)
+        slowed = self._mechanics.backbone.slowed(memory.pose.strain, self._damping_s / dt_s)
         law = self._transmission.law(pulled, memory.friction)
-        moved, _ = replace(self._mechanics, backbone=slowed).descend(memory.strain, law, _NEWTON_STEPS)
+        moved, _ = replace(self._mechanics, backbone=slowed).descend(memory.pose, law, _NEWTON_STEPS)
         self._memory = self._remember(moved, pulled, memory.friction)
         self.state = self._state(moved, insertion_mm)
         return self.state
 
-    def _remember(self, moved: Configuration, pulled_mm: Array, friction: Friction) -> _Memory:
-        strain = moved.strain.reshape(-1, 3)
+    def _remember(self, moved: Balance, pulled_mm: Array, friction: Friction) -> _Memory:
+        strain = moved.pose.strain.reshape(-1, 3)
         turn_rad = np.hypot(strain[:, 0], strain[:, 1]) * self._mechanics.backbone.piece_length_mm
         # a tendon turns at the disk between two pieces by the mean of theirs, and at the base by half of the first's
         bend_rad = (turn_rad + np.concatenate([[0.0], turn_rad[:-1]])) / 2
-        slid = self._transmission.slide(friction, moved.path.distance_mm, moved.pull, bend_rad)
-        return _Memory(moved.strain, pulled_mm, slid)
+        slid = self._transmission.slide(friction, moved.pose.path.distance_mm, moved.pull, bend_rad)
+        return _Memory(moved.pose, pulled_mm, slid)
 
-    def _state(self, moved: Configuration, insertion_mm: float) -> RobotState:
-        shape = self._sampling.shape(moved, insertion_mm)
+    def _state(self, moved: Balance, insertion_mm: float) -> RobotState:
+        shape = self._sampling.shape(moved.pose, insertion_mm)
         tension = moved.pull.base_N
         return RobotState(shape, insertion_mm, tension, self._transmission.pull_per_displacement.T @ tension)
 
@@ -132,8 +129,8 @@ def _mechanics(settings: SimulatedRobotSettings) -> Mechanics:
     return Mechanics(backbone, route_tendons(settings, backbone))
 
 
-def _checked(name: str, value: ArrayLike, size: int) -> Array:
+def _checked(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
     array = np.asarray(value, dtype=np.float64)
-    if array.shape != (size,) or not np.isfinite(array).all():
-        raise RobotInputError(f"{name} is {array.tolist()}; it must be {size} finite numbers")
+    if array.shape != shape or not np.isfinite(array).all():
+        raise RobotInputError(f"{name} is {array.tolist()}; it must be finite and of shape {shape}")
     return array

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.simulated.robot.backbone import Backbone
-from drivers.simulated.robot.equilibrium import Configuration
+from drivers.simulated.robot.equilibrium import Pose
 from drivers.simulated.robot.subsegment import move_along
 
 Array = NDArray[np.float64]
@@ -32,10 +32,10 @@ class Sampling:
         self._piece = np.minimum(np.searchsorted(ends_mm, arc_mm), len(ends_mm) - 1)
         self._into_piece_mm = arc_mm - (ends_mm - backbone.piece_length_mm)[self._piece]
 
-    def shape(self, configuration: Configuration, insertion_mm: float) -> Shape:
+    def shape(self, pose: Pose, insertion_mm: float) -> Shape:
         """The shape of a robot whose base the stage has moved to z = `insertion_mm`."""
-        strain = configuration.strain.reshape(-1, 3)[self._piece]
-        moved = configuration.frames[self._piece] @ move_along(strain, self._into_piece_mm)
-        centreline_mm = configuration.points_mm[self._piece] + moved[:, :, 0]
+        strain = pose.strain.reshape(-1, 3)[self._piece]
+        moved = pose.frames[self._piece] @ move_along(strain, self._into_piece_mm)
+        centreline_mm = pose.points_mm[self._piece] + moved[:, :, 0]
         centreline_mm[:, 2] += insertion_mm
         return Shape(centreline_mm, moved[:, :, 1])
