@@ -1,0 +1,64 @@
+# Everything runs in .venv, which is made from the lock files once and again only when they change.
+# `make help` says what there is.
+
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
+	command -v $$p >/dev/null && $$p -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+DURATION ?= 60
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test bench lock protobuf format clean
+
+help: ## say what there is
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
+
+demo: .venv/run.stamp ## the whole simulated bench in closed loop; DURATION=60 seconds, ARGUMENTS="--out DIR --json"
+	@$(BIN)/nodal demo --duration $(DURATION) $(ARGUMENTS)
+
+test: .venv/dev.stamp ## lint, types, import contracts, tests
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest
+
+bench: .venv/dev.stamp ## side-by-side measurements; takes minutes
+	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+format: .venv/dev.stamp ## rewrite the code as the formatter wants it
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+protobuf: .venv/dev.stamp ## generate messaging/generated from messaging/proto
+	$(BIN)/python -m grpc_tools.protoc -I messaging/proto \
+		--python_out messaging/generated --pyi_out messaging/generated messaging/proto/nodal.proto
+
+COMPILE = uv pip compile pyproject.toml --group install --universal --generate-hashes \
+	--no-emit-index-url --python-version 3.11 --no-header --quiet
+
+lock: | python-found ## pin the newest allowed versions of everything in requirements*.lock
+	tools=$$(mktemp -d) && trap "rm -rf $$tools" EXIT && $(PYTHON) -m venv $$tools && $$tools/bin/pip install --quiet uv && \
+	PATH=$$tools/bin:$$PATH && \
+	$(COMPILE) --upgrade --extra plots -o requirements.lock && \
+	$(COMPILE) --upgrade --extra plots --extra dev -c requirements.lock -o requirements-dev.lock
+
+clean: ## remove .venv and every cache; recordings in runs/ stay
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.PHONY: python-found
+python-found:
+	@test -n "$(PYTHON)" || { echo 'make: no Python 3.11 or newer with venv was found; install one, or name it: make PYTHON=/path/to/python' >&2; exit 1; }
+
+.venv/bin/pip: | python-found
+	$(PYTHON) -m venv .venv
+
+# the development lock holds the same pins and more, so either stamp serves the demo
+.venv/run.stamp: requirements.lock pyproject.toml | .venv/bin/pip
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+.venv/dev.stamp: requirements-dev.lock .venv/run.stamp
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
+	@touch $@

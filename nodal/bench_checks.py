@@ -1,0 +1,68 @@
+"""What must agree between the rooms' settings, so that a bench that cannot work says so before anything moves. Pure."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from messaging.frames import CameraCalibration
+from nodal.errors import BenchFileError
+
+if TYPE_CHECKING:
+    from nodal.bench_file import BenchSettings
+
+
+def check_bench(path: Path, settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) -> None:
+    """Raises BenchFileError with everything that does not agree; `rig` is the calibration by camera."""
+    faults = [*_cameras(settings, rig), *_nodal_points(settings), *_tendons(settings), *_simulation(settings)]
+    if faults:
+        raise BenchFileError(f"{path}: " + "; ".join(faults))
+
+
+def _cameras(settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) -> Iterator[str]:
+    for name in settings.cameras:
+        if name not in rig:
+            yield f"cameras.{name} is not in the calibration {settings.calibration}, which has {', '.join(rig)}"
+    for name in settings.sensing.background:
+        if name not in settings.cameras:
+            yield f"sensing.background.{name} is not one of the cameras {', '.join(settings.cameras)}"
+
+
+def _nodal_points(settings: "BenchSettings") -> Iterator[str]:
+    points, length_mm = settings.sensing.nodal_points, settings.robot.length_mm
+    for index, point in enumerate(points):
+        if point.arc_mm > length_mm:
+            yield (
+                f"sensing.nodal_points[{index}] {point.name} at {point.arc_mm:g} mm is beyond the robot, "
+                f"whose sections add up to {length_mm:g} mm"
+            )
+    arcs, names = [point.arc_mm for point in points], [point.name for point in points]
+    if arcs != sorted(set(arcs)):
+        yield f"sensing.nodal_points: distances {arcs} mm must increase"
+    if len(set(names)) != len(names):
+        yield f"sensing.nodal_points: every name must be used once, not {names}"
+
+
+def _tendons(settings: "BenchSettings") -> Iterator[str]:
+    sections, controlled = len(settings.robot.section_length_mm), len(settings.controller.sections)
+    if controlled != sections:
+        yield f"controller.sections describes {controlled} sections; robot.section_length_mm has {sections}"
+    pairs, servos = 2 * controlled, len(settings.servos.tendons)
+    if servos != pairs:
+        yield f"servos.tendons has {servos} tendon pairs; controller.sections needs {pairs}, two for each section"
+    travel, stage = settings.controller.limits.insertion_mm, settings.servos.stage
+    if travel[0] < stage.min_mm or travel[1] > stage.max_mm:
+        yield (
+            f"controller.limits.insertion_mm {list(travel)} reaches beyond "
+            f"servos.stage, which travels {stage.min_mm:g} to {stage.max_mm:g} mm"
+        )
+
+
+def _simulation(settings: "BenchSettings") -> Iterator[str]:
+    if settings.simulation is None:
+        return
+    lengths = tuple(section.length_mm for section in settings.simulation.robot.sections)
+    if lengths != settings.robot.section_length_mm:
+        yield (
+            f"simulation.robot.sections are {list(lengths)} mm long; "
+            f"robot.section_length_mm says {list(settings.robot.section_length_mm)}"
+        )

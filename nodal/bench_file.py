@@ -1,0 +1,120 @@
+"""The bench file: one TOML file that composes the settings of every room. docs/bench-file.md says what each key means."""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+
+from controller.settings import ControllerSettings
+from drivers.cameras.settings import CameraSettings
+from drivers.dynamixel.settings import ServoSettings
+from drivers.simulated.settings import SimulationSettings
+from messaging.frames import CameraCalibration
+from messaging.settings import RobotSettings, ZenohSettings
+from nodal.bench_checks import check_bench
+from nodal.calibration_file import load_rig
+from nodal.errors import BenchFileError
+from nodal.toml_file import Table, read_table, settings_from, written
+from recordings.settings import RecorderSettings
+from sensing.settings import SensingSettings
+
+PATH_KEYS = (
+    ("calibration",),
+    ("sensing", "background", "*"),
+    ("servos", "port"),
+    ("simulation", "servos", "link"),
+    ("recorder", "folder"),
+)
+"""Keys whose values are paths, relative to the bench file's folder; `*` stands for every key."""
+
+Name = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
+
+
+class BenchSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What stands in a bench file."""
+
+    name: Name
+    robot: RobotSettings
+    calibration: str
+    cameras: Annotated[dict[Name, CameraSettings], msgspec.Meta(min_length=2)]
+    sensing: SensingSettings
+    servos: ServoSettings
+    controller: ControllerSettings = ControllerSettings()
+    recorder: RecorderSettings = RecorderSettings()
+    zenoh: ZenohSettings = ZenohSettings()
+    simulation: SimulationSettings | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Bench:
+    """A bench file that was read and found consistent, with the files that it names.
+
+    `rig` holds the bench's cameras in the bench file's order; `backgrounds` pictures of their views without the robot.
+    """
+
+    path: Path
+    settings: BenchSettings
+    rig: tuple[CameraCalibration, ...]
+    backgrounds: Mapping[str, bytes]
+
+    def text(self) -> str:
+        """The effective bench file: every setting with the value in force, paths absolute."""
+        return written(msgspec.to_builtins(self.settings))
+
+
+def load_bench(config: str | Path) -> Bench:
+    """Read a bench file, or one that comes with nodal by its name; raises BenchFileError, CalibrationFileError."""
+    path = bench_path(config)
+    table = read_table(path)
+    for key in PATH_KEYS:
+        _resolve(table, key, path.parent)
+    settings = settings_from(table, BenchSettings, path)
+    calibrated = {camera.camera: camera for camera in load_rig(Path(settings.calibration))}
+    check_bench(path, settings, calibrated)
+    rig = tuple(calibrated[name] for name in settings.cameras)
+    return Bench(
+        path=path,
+        settings=settings,
+        rig=rig,
+        backgrounds={name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()},
+    )
+
+
+def bench_path(config: str | Path) -> Path:
+    """The bench file that `--config` means: a path, or the name of a bench that comes with nodal."""
+    path = Path(config)
+    if path.suffix or len(path.parts) > 1 or path.exists():
+        return path.resolve()
+    benches = {Path(str(file)).stem: Path(str(file)) for file in files("nodal").joinpath("benches").iterdir()}
+    shipped = {name: file for name, file in benches.items() if file.with_suffix(".toml").exists()}
+    if str(config) not in shipped:
+        raise BenchFileError(
+            f"{config}: neither a bench file nor a bench that comes with nodal ({', '.join(shipped)})"
+        )
+    return shipped[str(config)].with_suffix(".toml")
+
+
+def _resolve(table: Table, key: tuple[str, ...], folder: Path) -> None:
+    first, *rest = key
+    for name in list(_matching(table, first)):
+        value = table[name]
+        if rest:
+            _resolve(value, tuple(rest), folder)
+        elif isinstance(value, str):
+            table[name] = str(folder / value)
+
+
+def _matching(table: Any, name: str) -> Iterator[str]:
+    # what is not a table here is refused with a better message when the settings are made
+    if isinstance(table, dict):
+        yield from table if name == "*" else {name} & set(table)
+
+
+def _read(bench: Path, camera: str, file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise BenchFileError(f"{bench}: sensing.background.{camera} = {file}: cannot be read: {error.strerror}") from error

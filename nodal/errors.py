@@ -1,0 +1,36 @@
+"""Errors of the roof.
+
+NodalError
+|-- BenchFileError         a bench file that cannot be read, or that asks for something impossible
+|-- CalibrationFileError   a calibration file that cannot be read, or that does not describe the bench's cameras
+|-- CommandError           words on the command line that fit the grammar but mean nothing possible
+|-- DemoError              the demo cannot go on
+|   `-- ProcessError       one of its processes did not start, or does not stay up
+`-- ReportError            a recording that does not hold what a report needs
+"""
+
+from messaging.errors import NodalError
+
+
+class BenchFileError(NodalError):
+    """A bench file is missing, is not TOML, or holds a key or value that is not allowed."""
+
+
+class CalibrationFileError(NodalError):
+    """A calibration file is missing, is not laid out as documented, or does not fit the bench's cameras."""
+
+
+class CommandError(NodalError):
+    """An argument of the command line names something impossible."""
+
+
+class DemoError(NodalError):
+    """The demo cannot go on: a process, an answer or a state that it waits for does not come."""
+
+
+class ProcessError(DemoError):
+    """A process of the demo did not become ready in time, or died too often."""
+
+
+class ReportError(NodalError):
+    """A recording lacks the messages that the report is made of."""

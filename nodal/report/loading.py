@@ -1,0 +1,70 @@
+"""From a recording's files to a `BenchRun`; pictures are fetched one frame set at a time."""
+
+from pathlib import Path
+
+from messaging import topics
+from messaging.control import ControllerState, Target, TendonCommand
+from messaging.frames import CameraCalibration, Frame
+from messaging.shape import ShapeEstimate, Truth
+from nodal.calibration_file import rig_in
+from nodal.errors import ReportError
+from nodal.report.bench_run import BenchRun
+from recordings.parts import parts
+from recordings.reader import Recorded, attachments, messages, metadata
+
+DECODED = (topics.SHAPE, topics.TRUTH, topics.CONTROLLER_STATE, topics.TENDON_COMMAND, topics.TARGET)
+CALIBRATION = "calibration.json"
+"""The name under which the recorder attaches the rig."""
+
+
+def load_run(recording: Path) -> BenchRun:
+    """Everything but pictures, from all parts; raises ReportError when there is no such recording, RecordingError."""
+    files = parts(recording)
+    if not files:
+        raise ReportError(f"{recording}: there is no such recording")
+    run = BenchRun(rig=_rig(files[0]), losses=sum(_lost(file) for file in files))
+    for file in files:
+        for recorded in messages(file, (*DECODED, topics.CAMERA)):
+            _sort_in(run, recorded)
+    return run
+
+
+def frame_set(recording: Path, time_ns: int) -> dict[str, Frame]:
+    """Each camera's first frame that was logged at or after this Unix time."""
+    frames: dict[str, Frame] = {}
+    for file in parts(recording):
+        for recorded in messages(file, (topics.CAMERA,)):
+            if recorded.log_time_ns >= time_ns and isinstance(recorded.message, Frame):
+                frames.setdefault(recorded.message.camera, recorded.message)
+    return frames
+
+
+def _sort_in(run: BenchRun, recorded: Recorded) -> None:
+    if recorded.schema == Frame.protobuf.DESCRIPTOR.full_name:
+        # a frame's number is all that counts here, so its picture stays undecoded
+        run.frames.hear(recorded.topic, recorded.sequence)
+        return
+    match recorded.message:
+        case ShapeEstimate() as shape:
+            run.shapes.append(shape)
+        case Truth() as truth:
+            run.truths.append(truth)
+        case ControllerState() as state:
+            run.states.append(state)
+        case TendonCommand() as command:
+            run.commands.append(command)
+        case Target() as target:
+            run.targets[target.name] = target
+
+
+def _rig(file: Path) -> tuple[CameraCalibration, ...]:
+    attached = attachments(file)
+    if CALIBRATION not in attached:
+        raise ReportError(f"{file}: no {CALIBRATION} is attached")
+    return rig_in(attached[CALIBRATION], f"{file}, attachment {CALIBRATION}")
+
+
+def _lost(file: Path) -> int:
+    """What the recorder counted as lost; a part that was cut off holds no count."""
+    summary = metadata(file).get("SUMMARY", {})
+    return sum(int(count) for key, count in summary.items() if key.startswith("lost/"))
