@@ -4,13 +4,13 @@ import contextlib
 import errno
 import os
 import select
+import termios
 import time
 
 import serial
 
 from drivers.dynamixel.errors import PortBusyError, PortError, PortLostError, PortMissingError
 
-WRITE_TIMEOUT_S = 0.1
 READ_SIZE = 4096
 BITS_PER_BYTE = 10
 
@@ -34,9 +34,7 @@ class SerialPort:
         if self._serial is not None:
             return
         try:
-            self._serial = serial.Serial(
-                self.path, self.baud_rate, timeout=0, write_timeout=WRITE_TIMEOUT_S, exclusive=True
-            )
+            self._serial = serial.Serial(self.path, self.baud_rate, timeout=0, exclusive=True)
         except (serial.SerialException, OSError, ValueError) as error:
             raise self._refusal(error) from error
         with contextlib.suppress(ValueError, NotImplementedError):  # only some adapters have a latency timer
@@ -56,9 +54,11 @@ class SerialPort:
         port = self._opened()
         try:
             port.reset_input_buffer()
-            port.write(data)
-        except (serial.SerialException, OSError) as error:
+            sent = os.write(port.fd, data)  # never waits: the device is opened non-blocking
+        except (termios.error, OSError) as error:
             raise self._lost(error) from error
+        if sent != len(data):
+            raise self._lost(BlockingIOError(f"it took {sent} of {len(data)} bytes"))
 
     def receive(self, deadline_s: float) -> bytes:
         """Some bytes as soon as there are any, or none at `deadline_s` (time.monotonic); raises PortLostError."""

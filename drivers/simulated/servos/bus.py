@@ -46,7 +46,8 @@ class ServoBus:
                 line_s += pause_s + len(content) * self._byte_s
                 late_s, spoilt = self._spoil(content)
                 if answers and pause_s == late_s == 0:
-                    answers[-1] = Answer(line_s, answers[-1].data + spoilt)
+                    before = answers[-1]
+                    answers[-1] = Answer(before.delay_s + len(content) * self._byte_s, before.data + spoilt)
                 elif spoilt:
                     answers.append(Answer(line_s + late_s, spoilt))
         return answers

@@ -36,6 +36,7 @@ class Item:
 
 
 _GAIN = (0, 16383)
+_WORD = (-32768, 32767)
 _MULTI_TURN = 1_048_575
 
 ITEMS = (
@@ -74,9 +75,9 @@ ITEMS = (
     Item("feedforward_2nd_gain", 88, 2, 0, *_GAIN),
     Item("feedforward_1st_gain", 90, 2, 0, *_GAIN),
     Item("bus_watchdog", 98, 1, 0, 0, 127),
-    Item("goal_pwm", 100, 2, 885, -885, 885),
-    Item("goal_current", 102, 2, 1193, -1193, 1193),
-    Item("goal_velocity", 104, 4, 350, -1023, 1023),
+    Item("goal_pwm", 100, 2, 885, *_WORD),
+    Item("goal_current", 102, 2, 1193, *_WORD),
+    Item("goal_velocity", 104, 4, 350, *_WORD),
     Item("profile_acceleration", 108, 4, 0, 0, 32767),
     Item("profile_velocity", 112, 4, 0, 0, 32767),
     Item("goal_position", 116, 4, 0, -_MULTI_TURN, _MULTI_TURN),

@@ -1,0 +1,282 @@
+"""The whole drive in mm against emulated servos: what it checks, what it refuses, and that it always lets go."""
+
+import threading
+
+import msgspec
+import numpy as np
+import pytest
+
+from drivers.actuators import Actuators, CommandRefusedError, WatchdogExpiredError
+from drivers.dynamixel import control_table as table
+from drivers.dynamixel.actuators import TendonActuators
+from drivers.dynamixel.bus import DynamixelBus
+from drivers.dynamixel.commissioning import commission
+from drivers.dynamixel.errors import (
+    HardwareError,
+    NoAnswerError,
+    StatusError,
+    WrongModelError,
+    WrongSetupError,
+)
+from drivers.simulated.servos.settings import Faults
+
+MM_PER_RAD = np.array([8.0, -8.0, 8.0, 8.0])
+TICK_MM = 8.0 * 2 * np.pi / 4096
+
+
+def hold(actuators, bench, goal_mm, insertion_mm, seconds=1.0):
+    """Command a goal long enough to be reached, feeding the watchdog on the way."""
+    for _ in range(round(seconds / 0.1)):
+        command(actuators, goal_mm, insertion_mm)
+        bench.run(0.1)
+    return actuators.read()
+
+
+def command(actuators, goal_mm, insertion_mm):
+    """Command a goal and wait, by reading, until it has arrived: nobody acknowledges it."""
+    actuators.write(np.asarray(goal_mm, float), insertion_mm)
+    actuators.read()
+
+
+def test_it_is_an_actuators(settings):
+    drive: Actuators = TendonActuators(settings)
+    assert drive
+
+
+def test_after_opening_everything_is_relaxed_and_at_zero(bench, actuators):
+    state = actuators.read()
+    assert np.array_equal(state.displacement_mm, np.zeros(4))
+    assert state.insertion_mm == 0
+    assert not state.torque
+    assert state.hardware_error == (0,) * 5
+    assert np.allclose(state.voltage_v, 12.0)
+    assert np.allclose(state.temperature_c, 28.0)
+    assert bench.torque_enabled == (False,) * 5
+
+
+def test_goals_in_mm_turn_the_servos_the_right_way(bench, actuators):
+    actuators.enable()
+    state = hold(actuators, bench, [2.0, 2.0, -1.0, 0.0], 3.0)
+    assert state.torque
+    assert np.allclose(state.displacement_mm, [2.0, 2.0, -1.0, 0.0], atol=0.1)
+    assert state.insertion_mm == pytest.approx(3.0, abs=0.1)
+    angles = bench.run(0.01)
+    assert np.allclose(angles[:4] * MM_PER_RAD, state.displacement_mm, atol=TICK_MM)
+    assert angles[1] < 0 < angles[0]
+
+
+def test_a_load_shows_as_current(bench, actuators):
+    actuators.enable()
+    for _ in range(5):
+        actuators.read()
+        bench.run(0.1, load_torque_Nm=0.5)
+    assert (actuators.read().current_ma > 150).all()
+
+
+def test_current_never_exceeds_its_bound(bench, actuators):
+    actuators.enable()
+    command(actuators, np.full(4, 6.0), 0.0)
+    bench.run(0.1, load_torque_Nm=2.5)
+    assert (np.abs(actuators.read().current_ma) <= 800).all()
+
+
+def test_zero_is_where_it_is_said_to_be(bench, actuators):
+    actuators.enable()
+    hold(actuators, bench, [2.0, 2.0, -1.0, 0.0], 3.0)
+    actuators.set_zero(np.array([0.5, 0.0, 0.0, -0.5]), 1.0)
+    state = actuators.read()
+    assert np.allclose(state.displacement_mm, [0.5, 0.0, 0.0, -0.5], atol=TICK_MM)
+    assert state.insertion_mm == pytest.approx(1.0, abs=TICK_MM)
+    angles = bench.run(0.01)
+    state = hold(actuators, bench, [0.5, 0.0, 0.0, -0.5], 1.0)
+    assert np.allclose(bench.run(0.01), angles, atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("displacement_mm", "insertion_mm", "complaint"),
+    [
+        ([np.nan, 0, 0, 0], 0, "axis a: goal nan mm"),
+        ([0, 0, np.inf, 0], 0, "axis c: goal inf mm"),
+        ([0, 6.1, 0, 0], 0, "axis b: goal 6.1 mm must be a number from -6.0 to 6.0"),
+        ([0, 0, 0, 0], -7, "axis stage"),
+        ([0, 0, 0], 0, "4 tendon pairs"),
+    ],
+)
+def test_bad_commands_are_refused_and_nothing_is_sent(
+    bench, actuators, displacement_mm, insertion_mm, complaint
+):
+    actuators.enable()
+    with pytest.raises(CommandRefusedError, match=complaint):
+        actuators.write(np.array(displacement_mm, float), insertion_mm)
+    assert np.allclose(bench.run(0.1), 0, atol=0.01)
+
+
+def test_enabling_does_not_move_even_when_an_old_goal_waits(bench, actuators, settings):
+    actuators._bus.sync_write(table.GOAL_POSITION, dict.fromkeys((11, 12, 21, 22, 30), 9000))
+    actuators.enable()
+    assert bench.torque_enabled == (True,) * 5
+    assert np.allclose(bench.run(0.15), 0, atol=0.01)
+
+
+def test_a_goal_that_does_not_arrive_keeps_torque_off(bench, actuators):
+    bench.set_faults(Faults(silent=frozenset({22})))
+    with pytest.raises(NoAnswerError, match="22"):
+        actuators.enable()
+    assert bench.torque_enabled == (False,) * 5
+    bench.set_faults(Faults())
+
+
+def test_silence_stops_the_servos_and_is_told(bench, actuators):
+    actuators.enable()
+    hold(actuators, bench, [1.0, 1.0, 1.0, 1.0], 1.0)
+    command(actuators, np.full(4, 6.0), 6.0)
+    bench.run(0.3)
+    stopped = bench.run(0.1)
+    assert np.allclose(bench.run(0.5), stopped, atol=1e-3)
+    with pytest.raises(
+        WatchdogExpiredError, match="axis a, b, c, d, stage heard nothing for more than 200 ms"
+    ):
+        actuators.read()
+    with pytest.raises(WatchdogExpiredError):
+        command(actuators, np.full(4, -6.0), 0.0)
+    assert np.allclose(bench.run(0.1), stopped, atol=1e-2)
+    actuators.disable()
+    assert not actuators.read().torque
+    actuators.enable()
+    assert actuators.read().torque
+
+
+def test_reading_feeds_the_watchdog(bench, actuators):
+    actuators.enable()
+    for _ in range(10):
+        bench.run(0.1)
+        actuators.read()
+
+
+def test_a_broken_servo_is_named_and_reboots_without_losing_its_place(bench, actuators):
+    actuators.enable()
+    hold(actuators, bench, [6.0, 0.0, 0.0, 0.0], 0.0)
+    for _ in range(3):  # more than a turn away from where it started
+        actuators.set_zero(np.array([-6.0, 0.0, 0.0, 0.0]), 0.0)
+        hold(actuators, bench, [6.0, 0.0, 0.0, 0.0], 0.0, seconds=2.0)
+    before = actuators.read()
+    bench.fail(11, 0x20)
+    state = actuators.read()
+    assert state.hardware_error == (0x20, 0, 0, 0, 0)
+    assert not state.torque
+    actuators.disable()
+    with pytest.raises(HardwareError, match="servo 11: overload"):
+        actuators.enable()
+    passing = threading.Event()
+    clock = threading.Thread(target=lambda: [bench.run(0.02) for _ in iter(lambda: passing.wait(0.01), True)])
+    clock.start()
+    try:
+        actuators.reboot(11)
+    finally:
+        passing.set()
+        clock.join()
+    after = actuators.read()
+    assert after.hardware_error == (0,) * 5
+    assert np.allclose(after.displacement_mm, before.displacement_mm, atol=0.1)
+    actuators.enable()
+
+
+def test_rebooting_a_servo_that_is_not_there_is_refused(actuators):
+    with pytest.raises(CommandRefusedError, match="no servo 5"):
+        actuators.reboot(5)
+
+
+def test_torque_goes_off_on_every_way_out(bench, settings):
+    with TendonActuators(settings) as actuators:
+        actuators.enable()
+    assert bench.torque_enabled == (False,) * 5
+    for reason in (RuntimeError, KeyboardInterrupt):
+        with pytest.raises(reason), TendonActuators(settings) as actuators:
+            actuators.enable()
+            raise reason
+        assert bench.torque_enabled == (False,) * 5
+
+
+def test_trouble_on_the_way_out_does_not_hide_the_reason_and_relaxes_who_can_be_reached(bench, settings):
+    with pytest.raises(ZeroDivisionError) as caught, TendonActuators(settings) as actuators:
+        actuators.enable()
+        bench.set_faults(Faults(silent=frozenset({12})))
+        raise ZeroDivisionError
+    assert "no answer from servo 12" in caught.value.__notes__[0]
+    assert bench.torque_enabled == (False, True, False, False, False)
+
+
+def test_a_restart_never_finds_the_servos_armed(bench, settings):
+    with DynamixelBus(settings.port) as bus:
+        bus.sync_write(table.STATUS_RETURN_LEVEL, dict.fromkeys((11, 12, 21, 22, 30), 0))
+        bus.sync_write(table.TORQUE_ENABLE, dict.fromkeys((11, 12, 21, 22, 30), 1))
+        bus.ping(11)
+    assert all(bench.torque_enabled)
+    with TendonActuators(settings):
+        assert not any(bench.torque_enabled)
+
+
+@pytest.mark.parametrize(
+    ("servos", "error", "complaint"),
+    [
+        ({"model_number": 1060}, WrongModelError, "servo 11 .a. has model number 1060"),
+        ({"firmware": 42}, WrongModelError, "firmware 42; fast sync read needs 45"),
+        ({"operating_mode": 3}, WrongSetupError, "Operating Mode is 3, needed is 5"),
+        ({"return_delay_us": 500}, WrongSetupError, "Return Delay Time is 250, needed is 0"),
+    ],
+)
+def test_the_wrong_servos_are_refused_and_the_port_let_go(make_bench, settings, servos, error, complaint):
+    make_bench(**servos)
+    actuators = TendonActuators(settings)
+    with pytest.raises(error, match=complaint):
+        actuators.open()
+    with DynamixelBus(settings.port) as bus:
+        assert bus.ping(11)
+
+
+def test_new_servos_are_commissioned(make_bench, settings):
+    make_bench(operating_mode=3, return_delay_us=500)
+    changes = commission(settings)
+    assert "servo 11 (a): Operating Mode 3 -> 5" in changes
+    assert len(changes) == 10
+    assert commission(settings) == []
+    with TendonActuators(settings) as actuators:
+        assert not actuators.read().torque
+
+
+def test_a_current_above_the_servos_own_limit_is_refused(bench, settings):
+    strong = msgspec.structs.replace(
+        settings, stage=msgspec.structs.replace(settings.stage, max_current_ma=4000.0)
+    )
+    with pytest.raises(WrongSetupError, match=r"servo 30 .stage.: max_current_ma 4000 is above .* 3209 mA"):
+        TendonActuators(strong).open()
+
+
+def test_travel_beyond_the_servos_turns_is_refused(bench, settings):
+    stage = msgspec.structs.replace(settings.stage, mm_per_rad=0.002)
+    with pytest.raises(WrongSetupError, match="256 turns"):
+        TendonActuators(msgspec.structs.replace(settings, stage=stage)).open()
+
+
+def test_a_servo_that_is_not_on_the_bus_is_named(bench, settings):
+    stage = msgspec.structs.replace(settings.stage, id=99)
+    with pytest.raises(NoAnswerError, match="servo 99"):
+        TendonActuators(msgspec.structs.replace(settings, stage=stage)).open()
+
+
+def test_an_unplugged_bus_can_be_opened_again(make_bench, settings):
+    bench = make_bench()
+    actuators = TendonActuators(settings)
+    actuators.open()
+    bench.close()
+    with pytest.raises(Exception, match="was lost"):
+        actuators.read()
+    make_bench()
+    actuators.open()
+    assert not actuators.read().torque
+    actuators.close()
+
+
+def test_a_refused_register_is_an_error_that_says_so(bench, actuators):
+    with pytest.raises(StatusError, match="beyond a limit"):
+        actuators._set(table.GOAL_CURRENT, 2000)
