@@ -1,0 +1,97 @@
+"""The controller's process: read, decide, write, publish, keep time. One thread; no worker threads beside it."""
+
+import gc
+import logging
+import sys
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from controller import account
+from controller.drive import Drive
+from controller.loop import Inputs, Loop
+from controller.pace import Pace
+from controller.settings import ControllerSettings
+from controller.wire import Wire
+from drivers.actuators import Actuators
+from messaging.session import Session
+from messaging.settings import RobotSettings
+
+logger = logging.getLogger(__name__)
+
+_CYCLES_PER_COLLECTION = 200
+
+
+class Stop(Protocol):
+    """Says when to end; a threading.Event does."""
+
+    def is_set(self) -> bool:
+        """True once the process should end."""
+        ...
+
+
+def run(
+    settings: ControllerSettings,
+    robot: RobotSettings,
+    actuators: Actuators,
+    session: Session,
+    stop: Stop,
+    healthy: Callable[[], None],
+) -> None:
+    """Control the robot until `stop`; however this ends, the tendons are let go.
+
+    Raises ControllerSetupError when the settings do not fit the robot. A missing drive or silent sensing ends nothing.
+    """
+    loop = Loop(settings, robot)
+    state, busy_s = loop.start(), 0.0
+    drive = Drive(actuators)
+    wire = Wire(session, time.monotonic())
+    sys.setswitchinterval(0.0002)  # a busy foreign thread may then hold the interpreter for 0.2 ms, not 5
+    gc.collect()
+    gc.freeze()
+    gc.disable()  # what collections there are come after a cycle's work
+    pace = Pace(settings.rate_hz)
+    try:
+        while not stop.is_set():
+            beat = pace.wait()
+            sighting = wire.sighting(beat.now_s)
+            inputs = Inputs(
+                now_s=beat.now_s,
+                dt_s=beat.dt_s,
+                sighting=sighting,
+                drive=drive.read(beat.now_s),
+                absence=drive.absence,
+                requests=wire.requests(),
+            )
+            previous, (state, outputs) = state, loop.step(state, inputs)
+            written = drive.act(outputs, beat.now_s)
+            written_s, time_ns = time.monotonic(), time.time_ns()
+            first = state.seen is not previous.seen
+            wire.say(
+                outputs,
+                account.tendon_command(
+                    state, outputs, time_ns=time_ns, first_for_shape=first, written_s=written_s
+                )
+                if written
+                else None,
+                account.tendon_state(inputs.drive, time_ns=time_ns),
+                account.controller_state(
+                    state,
+                    outputs,
+                    time_ns=time_ns,
+                    now_s=beat.now_s,
+                    lateness_s=beat.lateness_s,
+                    busy_s=busy_s,
+                    overruns=beat.overruns,
+                ),
+            )
+            if state.mode is not previous.mode:
+                logger.info("%s: %s", state.mode, outputs.reason)
+            healthy()
+            if beat.cycle % _CYCLES_PER_COLLECTION == 0:
+                gc.collect(0)
+            busy_s = time.monotonic() - beat.now_s
+    finally:
+        drive.close()
+        gc.enable()
+        gc.unfreeze()

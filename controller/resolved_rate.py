@@ -1,0 +1,155 @@
+"""The law `resolved_rate`: velocity feed-forward and feedback through the model, which is corrected by what cameras see.
+
+The constant-curvature model says where nodal points p(a) are for a command a. What it misses is learnt while running:
+
+    p(a) + o + E (a - a0)        o: offset where the robot was seen last (at command a0);  E: correction of the Jacobian
+
+Offset and correction are estimated by one Kalman filter which all coordinates share, since they see the same commands.
+Delay is no part of the feedback: a shape is compared with the command that had reached the robot when its frames were
+taken (commands pass a first-order lag of `response_s`), and the law acts on the prediction for the command of now.
+The correction is bounded to a share of the model's Jacobian, so that the direction of motion never turns round.
+
+Rates are found by damped least squares (Wampler 1986; Nakamura, Hanafusa 1986), pulled in what freedom is left towards
+the straight posture. They are found anew for each shape, and at the latest after `_PLAN_S`; in between they go on.
+"""
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.history import History
+from controller.kinematics import Kinematics
+from controller.law import LawInputs, Measurement, Points
+from controller.settings import ResolvedRateSettings
+
+Array = NDArray[np.float64]
+
+_PLAN_S = 0.04
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Correction:
+    """What the model misses, as last seen at `capture_s` with `command_mm` (A,) at work."""
+
+    capture_s: float
+    command_mm: Array
+    offset_mm: Array
+    """(m, 3)."""
+    gain: Array
+    """(m, 3, A)."""
+    covariance: Array
+    """(1 + A, 1 + A) of offset and gain, the same for every coordinate."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class ResolvedRateState:
+    """What the law remembers."""
+
+    points: Points
+    correction: Correction
+    reached_mm: Array
+    """(A,) the command as far as it has reached the robot."""
+    history: History
+    rate_mm_s: Array
+    """(A,)."""
+    planned_s: float
+
+
+class ResolvedRate:
+    """The law; `limit` bounds are not its business."""
+
+    def __init__(self, settings: ResolvedRateSettings, kinematics: Kinematics) -> None:
+        """Costs: 1 for a displacement, `insertion_cost` for the stage."""
+        self._settings = settings
+        self._kinematics = kinematics
+        self._cost = np.append(np.ones(kinematics.pairs), settings.insertion_cost)
+        self.lead_s = settings.response_s
+
+    def start(
+        self, points: Points, command_mm: Array, measured: Measurement, now_s: float
+    ) -> ResolvedRateState:
+        """Offset from the first measurement, no correction of the Jacobian yet."""
+        nodes = self._kinematics.nodes_mm(command_mm, points.arc_mm)
+        axes = self._kinematics.axes
+        uncertainty = np.append(self._settings.measurement_noise_mm, np.full(axes, self._settings.gain_drift))
+        return ResolvedRateState(
+            points=points,
+            correction=Correction(
+                capture_s=measured.capture_s,
+                command_mm=command_mm,
+                offset_mm=measured.node_mm - nodes,
+                gain=np.zeros((*nodes.shape, axes)),
+                covariance=np.diag(uncertainty**2),
+            ),
+            reached_mm=command_mm,
+            history=History.of(now_s, command_mm),
+            rate_mm_s=np.zeros(axes),
+            planned_s=-np.inf,
+        )
+
+    def step(self, state: ResolvedRateState, inputs: LawInputs) -> tuple[ResolvedRateState, Array]:
+        """See `Law`."""
+        share = 1 - np.exp(-inputs.dt_s / self._settings.response_s)
+        reached = state.reached_mm + share * (inputs.command_mm - state.reached_mm)
+        history = state.history.then(inputs.now_s, reached)
+        correction, rate, planned_s = state.correction, state.rate_mm_s, state.planned_s
+        if inputs.measured is not None:
+            correction = self._corrected(state, inputs.measured, history.at(inputs.measured.capture_s))
+        if inputs.measured is not None or inputs.now_s - planned_s > _PLAN_S:
+            rate, planned_s = self._plan(state.points, correction, inputs), inputs.now_s
+        following = ResolvedRateState(
+            points=state.points,
+            correction=correction,
+            reached_mm=reached,
+            history=history,
+            rate_mm_s=rate,
+            planned_s=planned_s,
+        )
+        return following, inputs.command_mm + rate * inputs.dt_s
+
+    def _corrected(self, state: ResolvedRateState, measured: Measurement, command_mm: Array) -> Correction:
+        before, settings = state.correction, self._settings
+        nodes, jacobian = self._kinematics.nodes_and_jacobian(command_mm, state.points.arc_mm)
+        moved = command_mm - before.command_mm
+        elapsed_s = max(measured.capture_s - before.capture_s, 0.0)
+        predicted = before.offset_mm + before.gain @ moved
+        transition = np.eye(len(moved) + 1)
+        transition[0, 1:] = moved
+        drift = np.append(settings.offset_drift_mm, np.full(len(moved), settings.gain_drift))
+        covariance = transition @ before.covariance @ transition.T + np.diag(drift**2 * elapsed_s)
+        kalman = covariance[0] / (covariance[0, 0] + settings.measurement_noise_mm**2)
+        innovation = measured.node_mm - nodes - predicted
+        gain = before.gain + innovation[..., None] * kalman[1:]
+        return Correction(
+            capture_s=measured.capture_s,
+            command_mm=command_mm,
+            offset_mm=predicted + innovation * kalman[0],
+            gain=_bounded(
+                gain, settings.maximum_gain_correction * np.linalg.norm(jacobian, axis=-2, keepdims=True)
+            ),
+            covariance=covariance - np.outer(kalman, covariance[0]),
+        )
+
+    def _plan(self, points: Points, correction: Correction, inputs: LawInputs) -> Array:
+        settings = self._settings
+        nodes, jacobian = self._kinematics.nodes_and_jacobian(inputs.command_mm, points.arc_mm)
+        predicted = (
+            nodes + correction.offset_mm + correction.gain @ (inputs.command_mm - correction.command_mm)
+        )
+        wanted = inputs.desired.velocity_mm_s + settings.feedback_per_s * (inputs.desired.node_mm - predicted)
+        root = np.sqrt(points.weights)[:, None]
+        rows = ((jacobian + correction.gain) * root[..., None] * points.movable).reshape(-1, len(self._cost))
+        posture = -settings.posture_per_s * inputs.command_mm * points.movable
+        posture[-1] = 0.0
+        missing = (wanted * root).ravel() - rows @ posture
+        normal = rows.T @ rows + np.diag((settings.damping_mm * self._cost) ** 2)
+        rate: Array = posture + np.linalg.solve(normal, rows.T @ missing)
+        return rate
+
+
+def _bounded(gain: Array, bound: Array) -> Array:
+    """`gain` (m, 3, A) with every column (3,) of every point shortened to `bound` (m, 1, A)."""
+    size = np.linalg.norm(gain, axis=-2, keepdims=True)
+    bounded: Array = gain * np.minimum(1.0, bound / np.maximum(size, 1e-12))
+    return bounded

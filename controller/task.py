@@ -1,0 +1,134 @@
+"""One stretch of closed-loop motion: a reference, the law that follows it, and how well it goes. Pure."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.law import Law, LawInputs, Measurement, Points
+from controller.reference import Reference
+from messaging.control import Target
+from messaging.shape import ShapeEstimate
+
+Array = NDArray[np.float64]
+
+_SAME_ARC_MM = 1.0
+"""How far a nodal point may wander along the robot, by measuring, and still be the same point."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """A trusted shape, when its frames were taken and when it arrived, on the loop's clock."""
+
+    shape: ShapeEstimate
+    capture_s: float
+    arrived_s: float
+
+    def nodes(self, names: tuple[str, ...]) -> tuple[Array, Array]:
+        """Arc lengths (m,) and positions (m, 3) of these nodal points; raises ValueError for a name that is not there."""
+        rows = [self.shape.node_names.index(name) for name in names]
+        return self.shape.node_arc_mm[rows], self.shape.node_mm[rows]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """The motion at one moment. `desired_mm` and `measured_mm` (m, 3) both belong to the newest shape's capture."""
+
+    reference: Reference
+    points: Points
+    law_state: Any
+    desired_mm: Array
+    measured_mm: Array
+
+    @property
+    def error_mm(self) -> float:
+        """Weighted RMS distance between desired and measured nodal points."""
+        squared = ((self.desired_mm - self.measured_mm) ** 2).sum(axis=1)
+        return float(np.sqrt(np.average(squared, weights=self.points.weights)))
+
+    def settled(self, within_mm: float, now_s: float) -> bool:
+        """True when the reference has arrived and the nodal points are near it."""
+        return now_s > self.reference.start_s + self.reference.approach_s and self.error_mm < within_mm
+
+
+def begin(
+    law: Law[Any],
+    reference: Reference,
+    seen: Seen,
+    movable: NDArray[np.bool_],
+    *,
+    command_mm: Array,
+    now_s: float,
+) -> Task:
+    """A task that starts from what is seen now."""
+    arc, measured = seen.nodes(reference.target.node_names)
+    points = Points(arc_mm=arc, weights=reference.target.weights, movable=movable)
+    measurement = Measurement(capture_s=seen.capture_s, node_mm=measured)
+    return Task(
+        reference=reference,
+        points=points,
+        law_state=law.start(points, command_mm, measurement, now_s),
+        desired_mm=reference.at(seen.capture_s).node_mm,
+        measured_mm=measured,
+    )
+
+
+def advance(
+    law: Law[Any], task: Task, seen: Seen | None, *, command_mm: Array, now_s: float, dt_s: float
+) -> tuple[Task, Array]:
+    """The task one cycle on, and the command (A,) that the law asks for. `seen` is a shape that arrived just now."""
+    measured = None
+    if seen is not None:
+        _, node_mm = seen.nodes(task.reference.target.node_names)
+        measured = Measurement(capture_s=seen.capture_s, node_mm=node_mm)
+        task = dataclasses.replace(
+            task, measured_mm=node_mm, desired_mm=task.reference.at(seen.capture_s).node_mm
+        )
+    inputs = LawInputs(
+        now_s=now_s,
+        dt_s=dt_s,
+        command_mm=command_mm,
+        desired=task.reference.at(now_s + law.lead_s),
+        measured=measured,
+    )
+    law_state, wanted = law.step(task.law_state, inputs)
+    return dataclasses.replace(task, law_state=law_state), wanted
+
+
+def straight_target(shape: ShapeEstimate) -> Target:
+    """Every nodal point on the axis, at the height at which it is seen: a straight robot cannot change heights."""
+    on_axis = shape.node_mm * [0.0, 0.0, 1.0]
+    return Target(
+        name="straight",
+        node_names=shape.node_names,
+        weights=np.ones(len(on_axis)),
+        time_s=np.zeros(1),
+        position_mm=on_axis[None],
+        repeat=False,
+    )
+
+
+def starting_points(target: Target, seen: Seen, task: Task | None, now_s: float) -> Array:
+    """(m, 3) where a new reference begins: where nodal points are led just now, or where they are seen."""
+    _, start = seen.nodes(target.node_names)
+    if task is None or task.reference.target is target:
+        return start
+    led = dict(zip(task.reference.target.node_names, task.reference.at(now_s).node_mm, strict=True))
+    return np.array([led.get(name, here) for name, here in zip(target.node_names, start, strict=True)])
+
+
+def missing_nodes(names: tuple[str, ...], shape: ShapeEstimate) -> str:
+    """Which of these nodal points the shape lacks, in words."""
+    missing = ", ".join(name for name in names if name not in shape.node_names)
+    return f"the shape has no nodal point {missing}" if missing else ""
+
+
+def misfit(task: Task, shape: ShapeEstimate) -> str:
+    """Why this shape is of no use to the task, or nothing: its nodal points were renamed or moved along the robot."""
+    names = task.reference.target.node_names
+    if missing := missing_nodes(names, shape):
+        return missing
+    rows = [shape.node_names.index(name) for name in names]
+    shift = np.abs(shape.node_arc_mm[rows] - task.points.arc_mm).max()
+    return f"nodal points were moved by {shift:.1f} mm along the robot" if shift > _SAME_ARC_MM else ""
