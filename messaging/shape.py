@@ -21,7 +21,7 @@ class Flag(StrEnum):
     MERGED_SILHOUETTE = "merged_silhouette"
     """The robot covers itself in a view."""
     TIP_UNSEEN = "tip_unseen"
-    """The tip's end is not visible in at least two cameras."""
+    """No camera sees where the robot ends."""
     LENGTH_MISMATCH = "length_mismatch"
     """The measured length is not the robot's."""
     LARGE_RESIDUAL = "large_residual"

@@ -16,7 +16,7 @@ Image = NDArray[np.uint8]
 
 SCALE = 2
 """Detection works on pictures this many times smaller; measuring does not."""
-FIT_STRIDE = 12
+FIT_STRIDE = 16
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Backdrop:
         weight = np.ones(len(colours))
         coefficients: FloatArray = np.zeros((terms.shape[1], 3))
         for _ in range(12):
-            root = np.sqrt(weight)[:, None]
-            coefficients = np.asarray(np.linalg.lstsq(terms * root, colours * root, rcond=None)[0])
+            weighted = terms.T * weight
+            coefficients = np.asarray(np.linalg.solve(weighted @ terms, weighted @ colours))
             distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
             scale = 2.0 * np.median(distance) + 1.0
             weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2

@@ -147,7 +147,7 @@ def estimate(
     views = _views(pictures, scene, backdrops)
     prior = Prior(insertion_mm, scene.length_mm)
     fits = {tip: refine(views, stages.curve, prior, tip, COLD_ROUNDS) for tip in Tip}
-    tip = min(fits, key=lambda kind: fits[kind].cost)
+    tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
     watch.lap("refine")
     cold = _judged(fits[tip], tip, scene, prior, backdrops, stages)
     watch.lap("judge")

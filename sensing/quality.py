@@ -54,8 +54,7 @@ def flags(
     `masks` are the silhouettes of a cold start; a warm one has none, and its fit is judged by its edges alone.
     """
     explained = [float(view.valid.mean()) for view in fit.views]
-    ends = [view.end_px for view in fit.views if view.end_px is not None]
-    end_mm = [abs(view.end_px) * view.mm_per_px for view in fit.views if view.end_px is not None]
+    end_mm = [abs(view.end.residual_px) * view.mm_per_px for view in fit.views if view.end]
     too_long = (
         prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
     )
@@ -68,7 +67,7 @@ def flags(
         Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED or not residual_px(fit) < LARGE_RESIDUAL_PX,
         Flag.LARGE_RAY_GAP: not ray_gap_mm(cameras, fit) < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
-        Flag.TIP_UNSEEN: not ends,
+        Flag.TIP_UNSEEN: not end_mm,
         Flag.LENGTH_MISMATCH: too_long or any(gap > LENGTH_TOLERANCE_MM for gap in end_mm),
         Flag.MERGED_SILHOUETTE: merged,
     }

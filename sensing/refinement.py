@@ -38,6 +38,7 @@ LEAST_FORESHORTENING = 0.2
 """Below this sine between the tip's direction and the sight the end cannot be told from the tube's side."""
 END_LINES: FloatArray = np.array([-0.75, -0.4, 0.0, 0.4, 0.75])
 END_MARGIN_PX = 25.0
+END_SCALE_PX = 4.0
 RADIUS_WINDOW = 24
 RADIUS_QUANTILE = 0.4
 
@@ -91,8 +92,19 @@ class ViewFit:
     valid: NDArray[np.bool_]
     middle_px: FloatArray
     half_width_px: FloatArray
-    end_px: float | None
+    end: "EndFit | None"
     mm_per_px: float
+
+
+@dataclass(frozen=True)
+class EndFit:
+    """The silhouette's end: its mean residual in px, and how far its outline is from the assumed tip's, RMS in px.
+
+    The outline counts by its even part alone: a tilted one says that the tip's direction is off, not its form.
+    """
+
+    residual_px: float
+    outline_px: float
 
 
 @dataclass(frozen=True)
@@ -103,6 +115,11 @@ class Fit:
     covariance: FloatArray
     views: tuple[ViewFit, ...]
     cost: float
+
+    @property
+    def outline_px(self) -> float:
+        """How far the ends' outlines are from the assumed tip's, over all cameras that see the end."""
+        return float(np.sqrt(sum(view.end.outline_px**2 for view in self.views if view.end)))
 
 
 def predicted_edges(camera: Camera, fitted: Curve) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -211,13 +228,13 @@ def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:
         valid=valid,
         middle_px=(first + second) / 2 + residual[:, None] * normals,
         half_width_px=np.where(valid, pairs.half_width_px, np.nan),
-        end_px=end,
+        end=end,
         mm_per_px=2 * float(fitted.radius_mm[-1]) / max(float(width[-1]), 1e-9),
     )
 
 
-def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> float | None:
-    """The silhouette's end beyond the tip along a few parallel lines; returns the mean residual in px, None when unseen.
+def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> EndFit | None:
+    """The silhouette's end beyond the tip along a few parallel lines; None when unseen.
 
     Across the tip's direction in the picture, at x from the middle, a round tip's outline is the sphere's, at
     sqrt(r^2 - x^2) beyond its centre; a flat tip's is the face's, an ellipse as deep as the face is turned towards
@@ -249,16 +266,17 @@ def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> float 
         return None
     directions = directions / reach[:, None]
     seen, found = ends(view.picture, view.backdrop, starts, directions, reach + END_MARGIN_PX)
-    if not found.any():
+    if not found.all():
         return None
-    residual = np.where(found, seen - reach, 0.0)
+    residual = seen - reach
     rows = system.point_rows(
         np.repeat(curve.POSITION[-1:], len(END_LINES), axis=0),
         np.einsum("ij,ijk->ik", directions, jacobian[: len(END_LINES)]),
     )
-    weights = np.where(found, (END_PX**2 * len(END_LINES)) ** -1 / (1 + (residual / 4.0) ** 2), 0.0)
+    weights = (END_PX**2 * len(END_LINES)) ** -1 / (1 + (residual / END_SCALE_PX) ** 2)
     system.add(rows, residual, weights)
-    return float(residual[found].mean())
+    even = (residual + residual[::-1]) / 2
+    return EndFit(float(residual.mean()), float(even.std()))
 
 
 def _radius(views: tuple[View, ...], measured: tuple[ViewFit, ...], fitted: Curve) -> FloatArray:
