@@ -104,6 +104,8 @@ def _read_in_turn(wanted: list[tuple[int, bytes]], servos: Mapping[int, Servo]) 
 def _read_as_one(ids: bytes, place: bytes, servos: Mapping[int, Servo]) -> list[TimedBytes]:
     """One packet from all: each servo waits for the one before it, so a silent one silences those behind it."""
     size = _word(place, 2)
+    if len(ids) * (size + packets.FAST_PART_EXTRA) >= packets.LENGTH_END:
+        return []
     packet = packets.fast_status_start(len(ids), size)
     answers: list[TimedBytes] = []
     for servo_id in ids:

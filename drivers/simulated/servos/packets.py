@@ -5,6 +5,9 @@ from collections.abc import Iterator
 
 _START = bytes((0xFF, 0xFF, 0xFD, 0x00))
 _LONGEST = 2048
+LENGTH_END = 0xFFFF
+FAST_PART_EXTRA = 4
+"""Error, id and CRC around each servo's data in a common answer."""
 
 
 def checksum(data: bytes | bytearray) -> int:
@@ -40,7 +43,7 @@ def status(servo: int, error: int, parameters: bytes = b"") -> bytes:
 
 def fast_status_start(count: int, size: int) -> bytes:
     """What the first of `count` servos puts before its part of a common answer, `size` bytes from each."""
-    length = 1 + count * (size + 4)
+    length = 1 + count * (size + FAST_PART_EXTRA)
     return _START + bytes((0xFE, length & 0xFF, length >> 8, 0x55))
 
 

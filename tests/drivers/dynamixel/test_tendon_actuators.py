@@ -186,22 +186,31 @@ def test_rebooting_a_servo_that_is_not_there_is_refused(actuators):
         actuators.reboot(5)
 
 
-def test_torque_goes_off_on_every_way_out(bench, settings):
+def enable_and_raise(settings, trouble, before_raising=lambda: None):
+    with TendonActuators(settings) as actuators:
+        actuators.enable()
+        before_raising()
+        raise trouble
+
+
+def test_torque_goes_off_when_all_is_well(bench, settings):
     with TendonActuators(settings) as actuators:
         actuators.enable()
     assert bench.torque_enabled == (False,) * 5
-    for reason in (RuntimeError, KeyboardInterrupt):
-        with pytest.raises(reason), TendonActuators(settings) as actuators:
-            actuators.enable()
-            raise reason
-        assert bench.torque_enabled == (False,) * 5
+
+
+@pytest.mark.parametrize("trouble", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_torque_goes_off_whatever_happens(bench, settings, trouble):
+    with pytest.raises(trouble):
+        enable_and_raise(settings, trouble)
+    assert bench.torque_enabled == (False,) * 5
 
 
 def test_trouble_on_the_way_out_does_not_hide_the_reason_and_relaxes_who_can_be_reached(bench, settings):
-    with pytest.raises(ZeroDivisionError) as caught, TendonActuators(settings) as actuators:
-        actuators.enable()
-        bench.set_faults(Faults(silent=frozenset({12})))
-        raise ZeroDivisionError
+    with pytest.raises(ZeroDivisionError) as caught:
+        enable_and_raise(
+            settings, ZeroDivisionError, lambda: bench.set_faults(Faults(silent=frozenset({12})))
+        )
     assert "no answer from servo 12" in caught.value.__notes__[0]
     assert bench.torque_enabled == (False, True, False, False, False)
 
