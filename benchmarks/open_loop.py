@@ -60,19 +60,19 @@ class OpenLoopError:
     """Fitted and judged on all moves."""
 
 
-def workspace_motion(settings: SimulatedRobotSettings, seed: int) -> Motion:
+def workspace_motion(settings: SimulatedRobotSettings, seed: int, moves: int) -> Motion:
     """Smooth moves between random bends of all sections, each followed by a short rest."""
     rng = np.random.default_rng(seed)
     sections = len(settings.sections)
-    size = LARGEST_BEND_RAD * np.sqrt(rng.random((MOVES + 1, sections)))
-    heading = 2 * np.pi * rng.random((MOVES + 1, sections))
+    size = LARGEST_BEND_RAD * np.sqrt(rng.random((moves + 1, sections)))
+    heading = 2 * np.pi * rng.random((moves + 1, sections))
     bends = np.stack([size * np.cos(heading), size * np.sin(heading)], axis=2)
     bends[0] = 0.0
-    waypoints = bends.reshape(MOVES + 1, -1) @ _servo_per_bend(settings).T
+    waypoints = bends.reshape(moves + 1, -1) @ _servo_per_bend(settings).T
     moving = np.arange(1, round(MOVE_S / STEP_S) + 1) * STEP_S / MOVE_S
     share = np.concatenate([(1 - np.cos(np.pi * moving)) / 2, np.ones(round(REST_S / STEP_S))])
     servo_mm = waypoints[:-1, None] + share[None, :, None] * np.diff(waypoints, axis=0)[:, None]
-    return Motion(servo_mm.reshape(-1, servo_mm.shape[2]), np.repeat(np.arange(MOVES), len(share)))
+    return Motion(servo_mm.reshape(-1, servo_mm.shape[2]), np.repeat(np.arange(moves), len(share)))
 
 
 def simulated_tips(settings: SimulatedRobotSettings, servo_mm: Array) -> Array:
@@ -113,9 +113,9 @@ def fit_constant_curvature(settings: SimulatedRobotSettings, servo_mm: Array, ti
     return fitted.reshape(start.shape)
 
 
-def open_loop_error(settings: SimulatedRobotSettings, seed: int) -> OpenLoopError:
+def open_loop_error(settings: SimulatedRobotSettings, seed: int, moves: int = MOVES) -> OpenLoopError:
     """The model's error over a seeded set of moves through the workspace."""
-    motion = workspace_motion(settings, seed)
+    motion = workspace_motion(settings, seed, moves)
     tip_mm = simulated_tips(settings, motion.servo_mm)
     first_half = motion.move % 2 == 0
 

@@ -17,7 +17,7 @@ from drivers.simulated.robot.tendons import TendonRouting
 
 Array = NDArray[np.float64]
 
-_STIFFEST_N_PER_MM = 1000.0
+_STIFFEST_N_PER_MM = 300.0  # what a rigid tendon means; stiffer ones only cost time
 
 
 @dataclass(frozen=True)
