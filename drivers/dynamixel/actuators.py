@@ -15,7 +15,7 @@ from drivers.dynamixel.axis import Axis
 from drivers.dynamixel.bus import DynamixelBus
 from drivers.dynamixel.commissioning import check_setup, configure, identify
 from drivers.dynamixel.control_table import VOLTS_PER_COUNT, Register
-from drivers.dynamixel.errors import HardwareError, PortLostError, UnconfirmedError
+from drivers.dynamixel.errors import PortLostError, RestartedError, UnconfirmedError
 from drivers.dynamixel.feedback import Feedback
 from drivers.dynamixel.settings import ServoSettings
 
@@ -97,20 +97,21 @@ class TendonActuators:
 
     def write(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
         """Send the goals of all servos in one packet; raises CommandRefusedError, and then nothing was sent."""
+        axes = self._opened()
         goals_mm = self._positions_mm(displacement_mm, insertion_mm)
-        for axis, goal_mm in zip(self._axes, goals_mm, strict=True):
+        for axis, goal_mm in zip(axes, goals_mm, strict=True):
             low_mm, high_mm = axis.settings.min_mm, axis.settings.max_mm
             if not low_mm <= goal_mm <= high_mm:
                 raise CommandRefusedError(
                     f"axis {axis.settings.name}: goal {goal_mm} mm must be a number from {low_mm} to {high_mm}"
                 )
-        goals = {a.settings.id: a.goal_ticks(mm) for a, mm in zip(self._axes, goals_mm, strict=True)}
+        goals = {a.settings.id: a.goal_ticks(mm) for a, mm in zip(axes, goals_mm, strict=True)}
         self._bus.sync_write(table.GOAL_POSITION, goals)
 
     def set_zero(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
         """Call the present position `displacement_mm` (D,) and `insertion_mm`; raises CommandRefusedError."""
         positions_mm = self._positions_mm(displacement_mm, insertion_mm)
-        for axis, position_mm in zip(self._axes, positions_mm, strict=True):
+        for axis, position_mm in zip(self._opened(), positions_mm, strict=True):
             if not math.isfinite(position_mm):
                 raise CommandRefusedError(f"axis {axis.settings.name}: {position_mm} mm is no position")
         self._axes = [
@@ -123,17 +124,11 @@ class TendonActuators:
 
         Raises HardwareError, UnconfirmedError, StatusError, NoAnswerError; torque is then off.
         """
-        blocks = self._feedback()
-        broken = {
-            i: block.hardware_error
-            for i, block in zip(self._ids, blocks, strict=True)
-            if block.hardware_error
-        }
-        if broken:
-            raise HardwareError(self._bus.port, broken)
+        self._bus.check_hardware(self._ids)
+        present = [block.position for block in self._feedback()]
         try:
             self._set(table.BUS_WATCHDOG, 0)
-            self._set(table.GOAL_POSITION, *(block.position for block in blocks))
+            self._set(table.GOAL_POSITION, *present)
             self._set(table.TORQUE_ENABLE, 1)
             self._set(table.BUS_WATCHDOG, math.ceil(self._settings.watchdog_ms / table.WATCHDOG_UNIT_MS))
         except BaseException as error:
@@ -149,12 +144,12 @@ class TendonActuators:
         """Restart one servo, by its id, after a hardware error; it comes back relaxed, and its axis keeps its mm."""
         if servo not in self._ids:
             raise CommandRefusedError(f"there is no servo {servo} to reboot; the axes have {self._ids}")
-        number = self._ids.index(servo)
+        axes, number = self._opened(), self._ids.index(servo)
         before = self._bus.read(servo, table.PRESENT_POSITION)
         self._bus.reboot(servo)
         after = self._bus.read(servo, table.PRESENT_POSITION)
-        self._axes[number] = self._axes[number].after_reboot(before, after)
-        configure(self._bus, self._axes[number], self._settings)
+        axes[number] = axes[number].after_reboot(before, after)
+        configure(self._bus, axes[number], self._settings)
 
     def _set(self, register: Register, *values: int) -> None:
         """Write a register of all servos (one value for all, or one each) and see that it arrived.
@@ -174,10 +169,21 @@ class TendonActuators:
                     )
 
     def _feedback(self) -> list[Feedback]:
+        address = self._opened()[0].model.indirect_data_1
+        answers = self._bus.sync_read_bytes(self._ids, address, feedback.SIZE)
+        blocks = {servo: feedback.decode(block) for servo, block in answers.items()}
+        restarted = [servo for servo, block in blocks.items() if not block.is_genuine]
+        if restarted:
+            raise RestartedError(
+                f"{self._bus.port}: servo {restarted} restarted by itself (a dip of its supply?) and forgot its turns; "
+                "open the servos and home again"
+            )
+        return list(blocks.values())
+
+    def _opened(self) -> list[Axis]:
         if not self._axes:
-            raise PortLostError(f"{self._bus.port}: the servos were not opened")
-        blocks = self._bus.sync_read_bytes(self._ids, self._axes[0].model.indirect_data_1, feedback.SIZE)
-        return [feedback.decode(block) for block in blocks.values()]
+            raise PortLostError(f"{self._bus.port}: the servos have not been opened")
+        return self._axes
 
     def _state(self, blocks: Sequence[Feedback]) -> ActuatorState:
         pairs = list(zip(self._axes, blocks, strict=True))

@@ -49,6 +49,7 @@ class DynamixelBus:
         self._port = SerialPort(port, baud_rate)
         self._answer_timeout_s = answer_timeout_s
         self._attempts = 1 + retries
+        self._owed_an_answer = False
 
     @property
     def port(self) -> str:
@@ -106,7 +107,7 @@ class DynamixelBus:
     def sync_write(self, register: Register, values: Mapping[int, int]) -> None:
         """Write one register of several servos, in one packet that nobody answers."""
         data = {servo: register.to_bytes(value) for servo, value in values.items()}
-        self._port.send(protocol.sync_write(register.address, data).to_bytes())
+        self._send(protocol.sync_write(register.address, data).to_bytes())
 
     def sync_read(self, servos: Sequence[int], register: Register) -> dict[int, int]:
         """One register of several servos."""
@@ -132,12 +133,7 @@ class DynamixelBus:
             answers |= heard
             if len(answers) == len(servos):
                 return {servo: answers[servo].parameters for servo in servos}
-            self._await_quiet()
         raise self._silence([servo for servo in servos if servo not in answers], answers, waited_s, rubbish)
-
-    def hardware_error(self, servo: int) -> int:
-        """The servo's hardware error bits, 0 when it is well."""
-        return self.read(servo, HARDWARE_ERROR_STATUS)
 
     def check_hardware(self, servos: Sequence[int]) -> None:
         """Raise HardwareError when one of the servos reports a hardware error."""
@@ -160,18 +156,18 @@ class DynamixelBus:
                 return
 
     def _ask(self, instruction: Instruction, size: int, doing: str) -> StatusPacket:
+        servo = instruction.id
         rubbish, waited_s = b"", 0.0
+        answer: StatusPacket | None = None
         for _ in range(self._attempts):
-            heard, rubbish, took_s = self._attempt(instruction, [instruction.id], size)
+            heard, rubbish, took_s = self._attempt(instruction, [servo], size)
             waited_s += took_s
-            if (
-                answer := heard.get(instruction.id)
-            ) is not None and answer.error != protocol.GARBLED_INSTRUCTION:
-                return self._check(answer, doing)
-            self._await_quiet()
-        if answer is not None:
-            return self._check(answer, doing)
-        raise self._silence([instruction.id], {}, waited_s, rubbish)
+            answer = heard.get(servo)
+            if answer is not None and answer.error != protocol.GARBLED_INSTRUCTION:
+                break
+        if answer is None:
+            raise self._silence([servo], {}, waited_s, rubbish)
+        return self._check(answer, doing)
 
     def _attempt(
         self, instruction: Instruction, servos: Sequence[int], size: int
@@ -179,44 +175,46 @@ class DynamixelBus:
         """Send once; who of `servos` answered with `size` parameters, what else was received, and the time it took."""
         packet = instruction.to_bytes()
         start_s = time.monotonic()
+        self._send(packet)
+        self._owed_an_answer = True
         expected_bytes = len(packet) + len(servos) * (protocol.EMPTY_STATUS_SIZE + size)
-        deadline_s = start_s + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
-        self._port.send(packet)
+        deadline_s = time.monotonic() + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
         parser = PacketParser()
-        received = b""
         answers: dict[int, StatusPacket] = {}
-        rubbish = b""
+        received, rubbish = b"", b""
         while len(answers) < len(servos):
             data = self._port.receive(deadline_s)
             received += data
             for event in parser.receive(data) if data else parser.give_up_waiting():
                 match event:
-                    case StatusPacket():
-                        _keep([event], answers, servos, size)
+                    case StatusPacket() if event.id in servos and (
+                        len(event.parameters) == size or event.error
+                    ):
+                        answers[event.id] = event
                     case FastStatusPacket(raw):
-                        _keep(protocol.split_fast_status(raw, size), answers, servos, size)
+                        answers |= _parts_of_one(raw, servos, size)
                     case Dropped(dropped):
                         rubbish += dropped
             if not data:
+                answers |= _parts_of_one(protocol.salvage_fast_status(received, size), servos, size)
                 break
-        if len(answers) < len(servos):
-            whole = protocol.salvage_fast_status(received, size)
-            _keep(protocol.split_fast_status(whole, size), answers, servos, size)
+        self._owed_an_answer = len(answers) < len(servos)
         return answers, rubbish, time.monotonic() - start_s
+
+    def _send(self, packet: bytes) -> None:
+        """Send, but let a late answer pass first: it must not be taken for the answer to this."""
+        if self._owed_an_answer:
+            deadline_s = time.monotonic() + self._answer_timeout_s
+            while self._port.receive(time.monotonic() + QUIET_S) and time.monotonic() < deadline_s:
+                pass
+            self._owed_an_answer = False
+        self._port.send(packet)
 
     def _check(self, answer: StatusPacket, doing: str) -> StatusPacket:
         (self.alerts.add if answer.alert else self.alerts.discard)(answer.id)
         if answer.error:
             raise StatusError(self.port, answer.id, answer.error, doing)
         return answer
-
-    def _await_quiet(self) -> None:
-        """Let a late answer pass, so that it is not taken for the answer to the next question."""
-        deadline_s = time.monotonic() + self._answer_timeout_s
-        while (
-            self._port.receive(min(deadline_s, time.monotonic() + QUIET_S)) and time.monotonic() < deadline_s
-        ):
-            pass
 
     def _silence(
         self, silent: Sequence[int], answers: Mapping[int, StatusPacket], waited_s: float, rubbish: bytes
@@ -226,10 +224,7 @@ class DynamixelBus:
         return NoAnswerError(self.port, silent, answers, waited_s)
 
 
-def _keep(
-    heard: Sequence[StatusPacket], answers: dict[int, StatusPacket], servos: Sequence[int], size: int
-) -> None:
-    """Take the answers that fit the question; a refusal carries no parameters."""
-    for answer in heard:
-        if answer.id in servos and (len(answer.parameters) == size or answer.error):
-            answers[answer.id] = answer
+def _parts_of_one(raw: bytes, servos: Sequence[int], size: int) -> dict[int, StatusPacket]:
+    """Answers in the common answer to a fast sync read; none when it is not the answer to this question."""
+    parts = {part.id: part for part in protocol.split_fast_status(raw, size)}
+    return parts if [*parts] == [*servos][: len(parts)] else {}

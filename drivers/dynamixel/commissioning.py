@@ -8,9 +8,9 @@ from drivers.dynamixel.axis import Axis
 from drivers.dynamixel.bus import DynamixelBus
 from drivers.dynamixel.control_table import MODELS, Model, Register
 from drivers.dynamixel.errors import WrongModelError, WrongSetupError
+from drivers.dynamixel.feedback import ANSWER_EVERYTHING
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 
-ANSWER_EVERYTHING = 2
 EEPROM_SETUP: tuple[tuple[Register, int], ...] = (
     (table.OPERATING_MODE, table.CURRENT_BASED_POSITION_MODE),
     (table.RETURN_DELAY_TIME, 0),

@@ -105,5 +105,9 @@ class UnconfirmedError(ServoError):
     """A servo does not read back what was written."""
 
 
+class RestartedError(ServoError):
+    """A servo has restarted by itself: it is relaxed, and which turn it is in is not known any more."""
+
+
 def _ids(servos: Sequence[int]) -> str:
     return ", ".join(str(servo) for servo in servos)

@@ -1,7 +1,9 @@
 """What is read from every servo in each cycle, gathered into one block by the servo's indirect addresses.
 
 Scattered registers - torque, hardware error, watchdog, current, velocity, position, voltage, temperature - appear side by
-side, so that one exchange of 16 bytes a servo tells everything the controller must know.
+side, so that one exchange of SIZE bytes a servo tells everything the controller must know. Status Return Level stands in
+front because it is known, and not 0: a servo that restarted, by a dip of its supply, has forgotten its indirect addresses
+and shows zeros there, which must not be taken for readings.
 """
 
 import dataclasses
@@ -9,7 +11,11 @@ import struct
 
 from drivers.dynamixel import control_table as table
 
+ANSWER_EVERYTHING = 2
+"""The Status Return Level that the driver sets."""
+
 _REGISTERS = (
+    table.STATUS_RETURN_LEVEL,
     table.TORQUE_ENABLE,
     table.HARDWARE_ERROR_STATUS,
     table.BUS_WATCHDOG,
@@ -19,7 +25,7 @@ _REGISTERS = (
     table.PRESENT_INPUT_VOLTAGE,
     table.PRESENT_TEMPERATURE,
 )
-_LAYOUT = struct.Struct("<?BbhiiHB")
+_LAYOUT = struct.Struct("<B?BbhiiHB")
 SIZE = _LAYOUT.size
 
 INDIRECT_ADDRESSES = b"".join(
@@ -34,6 +40,7 @@ INDIRECT_ADDRESSES = b"".join(
 class Feedback:
     """One servo's block, in the servo's own units."""
 
+    status_return_level: int
     torque: bool
     hardware_error: int
     watchdog: int
@@ -42,6 +49,11 @@ class Feedback:
     position: int
     voltage: int
     temperature: int
+
+    @property
+    def is_genuine(self) -> bool:
+        """False when the servo has restarted since it was configured: nothing in the block means anything."""
+        return self.status_return_level == ANSWER_EVERYTHING
 
 
 def decode(block: bytes) -> Feedback:

@@ -14,6 +14,8 @@ from drivers.dynamixel.commissioning import commission
 from drivers.dynamixel.errors import (
     HardwareError,
     NoAnswerError,
+    PortLostError,
+    RestartedError,
     StatusError,
     WrongModelError,
     WrongSetupError,
@@ -179,6 +181,26 @@ def test_a_broken_servo_is_named_and_reboots_without_losing_its_place(bench, act
     assert after.hardware_error == (0,) * 5
     assert np.allclose(after.displacement_mm, before.displacement_mm, atol=0.1)
     actuators.enable()
+
+
+def test_a_servo_that_restarted_by_itself_is_not_believed(bench, actuators):
+    actuators.enable()
+    bench._bus.servos[2].reboot(bench.now_s)
+    bench.now_s += 1
+    with pytest.raises(RestartedError, match=r"servo \[21\] restarted"):
+        actuators.read()
+
+
+def test_a_drive_that_was_not_opened_says_so(settings):
+    for use in (
+        lambda drive: drive.read(),
+        lambda drive: drive.write(np.zeros(4), 0.0),
+        lambda drive: drive.set_zero(np.zeros(4), 0.0),
+        lambda drive: drive.enable(),
+        lambda drive: drive.disable(),
+    ):
+        with pytest.raises(PortLostError, match="not"):
+            use(TendonActuators(settings))
 
 
 def test_rebooting_a_servo_that_is_not_there_is_refused(actuators):
