@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
+from drivers.cameras.settings import CameraSettings
+from drivers.simulated.settings import SimulationSettings
 
 from controller.settings import ControllerSettings
-from drivers.cameras.settings import CameraSettings
 from drivers.dynamixel.settings import ServoSettings
-from drivers.simulated.settings import SimulationSettings
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings, ZenohSettings
 from nodal.bench_checks import check_bench
@@ -21,14 +21,13 @@ from nodal.toml_file import Table, read_table, settings_from, written
 from recordings.settings import RecorderSettings
 from sensing.settings import SensingSettings
 
-PATH_KEYS = (
-    ("calibration",),
-    ("sensing", "background", "*"),
-    ("servos", "port"),
-    ("simulation", "servos", "link"),
-    ("recorder", "folder"),
-)
-"""Keys whose values are paths, relative to the bench file's folder; `*` stands for every key."""
+PATHS_TO_READ = (("calibration",), ("sensing", "background", "*"))
+PATHS_TO_MAKE = (("servos", "port"), ("simulation", "servos", "link"), ("recorder", "folder"))
+"""Keys whose values are paths, relative to the bench file's folder; `*` stands for every key. What is made by a bench that
+comes with nodal goes below `runs/` where the command was started, not into the installed package."""
+
+SHIPPED = Path(str(files("nodal").joinpath("benches")))
+BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT = "bench.toml", "calibration.json"
 
 Name = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
@@ -64,13 +63,21 @@ class Bench:
         """The effective bench file: every setting with the value in force, paths absolute."""
         return written(msgspec.to_builtins(self.settings))
 
+    def attachments(self) -> dict[str, bytes]:
+        """What belongs into every recording: the effective bench file and the calibration as it stands."""
+        calibration = Path(self.settings.calibration).read_bytes()
+        return {BENCH_ATTACHMENT: self.text().encode(), CALIBRATION_ATTACHMENT: calibration}
+
 
 def load_bench(config: str | Path) -> Bench:
     """Read a bench file, or one that comes with nodal by its name; raises BenchFileError, CalibrationFileError."""
     path = bench_path(config)
     table = read_table(path)
-    for key in PATH_KEYS:
+    work = path.parent if path.parent != SHIPPED else Path.cwd() / "runs" / path.stem
+    for key in PATHS_TO_READ:
         _resolve(table, key, path.parent)
+    for key in PATHS_TO_MAKE:
+        _resolve(table, key, work)
     settings = settings_from(table, BenchSettings, path)
     calibrated = {camera.camera: camera for camera in load_rig(Path(settings.calibration))}
     check_bench(path, settings, calibrated)
@@ -79,7 +86,9 @@ def load_bench(config: str | Path) -> Bench:
         path=path,
         settings=settings,
         rig=rig,
-        backgrounds={name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()},
+        backgrounds={
+            name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()
+        },
     )
 
 
@@ -88,13 +97,21 @@ def bench_path(config: str | Path) -> Path:
     path = Path(config)
     if path.suffix or len(path.parts) > 1 or path.exists():
         return path.resolve()
-    benches = {Path(str(file)).stem: Path(str(file)) for file in files("nodal").joinpath("benches").iterdir()}
-    shipped = {name: file for name, file in benches.items() if file.with_suffix(".toml").exists()}
+    shipped = {file.stem: file for file in sorted(SHIPPED.glob("*.toml"))}
     if str(config) not in shipped:
         raise BenchFileError(
             f"{config}: neither a bench file nor a bench that comes with nodal ({', '.join(shipped)})"
         )
-    return shipped[str(config)].with_suffix(".toml")
+    return shipped[str(config)]
+
+
+def make_folder(folder: Path, what: str) -> Path:
+    """This folder, made if it is missing; raises BenchFileError naming `what` asks for it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BenchFileError(f"{what} = {folder}: cannot be made: {error.strerror}") from error
+    return folder
 
 
 def _resolve(table: Table, key: tuple[str, ...], folder: Path) -> None:
@@ -117,4 +134,6 @@ def _read(bench: Path, camera: str, file: Path) -> bytes:
     try:
         return file.read_bytes()
     except OSError as error:
-        raise BenchFileError(f"{bench}: sensing.background.{camera} = {file}: cannot be read: {error.strerror}") from error
+        raise BenchFileError(
+            f"{bench}: sensing.background.{camera} = {file}: cannot be read: {error.strerror}"
+        ) from error

@@ -87,7 +87,9 @@ def rig_from_matrices(
     names = list(intrinsics)
     for what, matrices in (("distortion", distortion), ("camera_from_robot", camera_from_robot)):
         if set(matrices) != set(names):
-            raise CalibrationFileError(f"{what} is given for {sorted(matrices)}; intrinsics for {sorted(names)}")
+            raise CalibrationFileError(
+                f"{what} is given for {sorted(matrices)}; intrinsics for {sorted(names)}"
+            )
     return tuple(
         CameraCalibration(
             camera=name,

@@ -28,7 +28,9 @@ def points(positions_mm: Mapping[str, Sequence[float]], weights: Mapping[str, fl
     )
 
 
-def circle(node: str, *, radius_mm: float, period_s: float, height_mm: float, centre_mm: tuple[float, float]) -> Target:
+def circle(
+    node: str, *, radius_mm: float, period_s: float, height_mm: float, centre_mm: tuple[float, float]
+) -> Target:
     """One nodal point on a level circle, again and again, from +X towards +Y; raises InvalidMessageError."""
     time_s = np.linspace(0, period_s, CIRCLE_POINTS + 1)
     return Target(
@@ -76,7 +78,9 @@ def path(file: Path, weights: Mapping[str, float], *, repeat: bool) -> Target:
     names = tuple(dict.fromkeys(column.rpartition(".")[0] for column in header[1:]))
     expected = ["time_s", *(f"{name}.{axis}" for name in names for axis in AXES)]
     if header != expected or not names:
-        raise CommandError(f"{file}: columns are {', '.join(header)}; they must be time_s, NAME.x, NAME.y, NAME.z, ...")
+        raise CommandError(
+            f"{file}: columns are {', '.join(header)}; they must be time_s, NAME.x, NAME.y, NAME.z, ..."
+        )
     table = np.array([_numbers(file, line, row, header) for line, row in enumerate(rows, start=2)])
     table = table.reshape(len(rows), len(header))
     return Target(
@@ -91,7 +95,9 @@ def path(file: Path, weights: Mapping[str, float], *, repeat: bool) -> Target:
 
 def _weights(names: Sequence[str], weights: Mapping[str, float]) -> NDArray[np.float64]:
     if unknown := sorted(set(weights) - set(names)):
-        raise CommandError(f"weight given for {', '.join(unknown)}; the target's points are {', '.join(names)}")
+        raise CommandError(
+            f"weight given for {', '.join(unknown)}; the target's points are {', '.join(names)}"
+        )
     return np.array([weights.get(name, 1.0) for name in names], dtype=np.float64)
 
 

@@ -105,7 +105,9 @@ def _known_keys(kind: Any, key: Key) -> Iterator[str]:
         elif isinstance(info, msgspec.inspect.StructType):
             if not rest:
                 yield from (field.encode_name for field in info.fields)
-            pending.extend((field.type, rest[1:]) for field in info.fields if (field.encode_name,) == rest[:1])
+            pending.extend(
+                (field.type, rest[1:]) for field in info.fields if (field.encode_name,) == rest[:1]
+            )
         elif isinstance(info, msgspec.inspect.DictType):
             pending.append((info.value_type, rest[1:]))
         elif isinstance(info, msgspec.inspect.VarTupleType | msgspec.inspect.ListType):

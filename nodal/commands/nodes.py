@@ -21,7 +21,9 @@ def run(arguments: argparse.Namespace) -> int:
     from nodal.asking import ask  # noqa: PLC0415
 
     names, arc_mm = zip(*arguments.nodes, strict=True)
-    return ask(arguments.config, SENSING_NODES, NodalPoints(names=names, arc_mm=list(arc_mm)), arguments.timeout)
+    return ask(
+        arguments.config, SENSING_NODES, NodalPoints(names=names, arc_mm=list(arc_mm)), arguments.timeout
+    )
 
 
 def _node(text: str) -> tuple[str, float]:

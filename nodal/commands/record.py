@@ -21,13 +21,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Record until told to stop; a recording that was cut off goes on in its next part."""
     import time  # noqa: PLC0415
 
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import load_bench, make_folder  # noqa: PLC0415
     from nodal.running import running  # noqa: PLC0415
     from recordings import process as recordings  # noqa: PLC0415
     from recordings.parts import new_path  # noqa: PLC0415
 
     bench = load_bench(arguments.config)
-    folder = bench.made_folder(bench.settings.recorder.folder)
+    folder = make_folder(Path(bench.settings.recorder.folder), "recorder.folder")
     file = arguments.file or new_path(folder, time.time_ns())
     with running(bench, "recorder", arguments.end_with) as process:
         recordings.run(

@@ -23,12 +23,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     circle.add_argument("--radius", type=float, default=15.0, metavar="MM", help="default 15")
     circle.add_argument("--period", type=float, default=10.0, metavar="S", help="default 10")
     circle.add_argument("--height", type=float, default=70.0, metavar="MM", help="default 70")
-    circle.add_argument(
-        "--centre", type=_numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0"
-    )
+    circle.add_argument("--centre", type=_numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0")
     circle.set_defaults(target=_circle)
 
-    path = kinds.add_parser("file", help="a path from a CSV file: time_s,NAME.x,NAME.y,NAME.z,... in s and mm")
+    path = kinds.add_parser(
+        "file", help="a path from a CSV file: time_s,NAME.x,NAME.y,NAME.z,... in s and mm"
+    )
     path.add_argument("file", type=Path, metavar="CSV")
     path.add_argument("--repeat", action="store_true", help="begin again when the end is reached")
     _add_weight(path)

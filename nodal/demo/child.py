@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from nodal.errors import ProcessError
@@ -19,15 +20,15 @@ TAIL_LINES = 12
 
 
 class Child:
-    """`nodal NAME --config BENCH` in a session of its own; what it prints goes to a file."""
+    """`nodal NAME WORDS` in a session of its own; what it prints goes to a file."""
 
-    def __init__(self, name: str, bench_file: Path, log_folder: Path) -> None:
+    def __init__(self, name: str, words: Sequence[str], log_folder: Path) -> None:
         self.name = name
         self.log_file = log_folder / f"{name}.log"
         self.ready = False
         self.restarts = 0
         # -P: a folder named `sensing` where the demo was started must not stand in for the package
-        self._words = [sys.executable, "-P", "-m", "nodal", name, "--config", str(bench_file)]
+        self._words = [sys.executable, "-P", "-m", "nodal", name, *words]
         self._words += ["--end-with", str(os.getpid())]
         self._starts_s: list[float] = []
         self._heard_s = 0.0

@@ -3,11 +3,11 @@
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from nodal.demo.child import Child
+from nodal.demo.folder import DemoFolder
 from nodal.errors import DemoError, ProcessError
 
 START_ORDER = (("rendezvous",), ("record", "simulate"), ("sense", "control"))
@@ -23,8 +23,13 @@ class Stopped(Exception):  # noqa: N818  an order, not an error
 class Launcher:
     """Owns the processes. Whoever waits for anything waits here, so that processes are tended meanwhile."""
 
-    def __init__(self, bench_file: Path, log_folder: Path, stop: threading.Event) -> None:
-        self.children = {name: Child(name, bench_file, log_folder) for name in STOP_ORDER}
+    def __init__(self, folder: DemoFolder, stop: threading.Event) -> None:
+        # a recorder that was killed must find the recording that it goes on with
+        more = {"record": ("--file", str(folder.recording))}
+        self.children = {
+            name: Child(name, ("--config", str(folder.bench_file), *more.get(name, ())), folder.logs)
+            for name in STOP_ORDER
+        }
         self.on_turn: Callable[[], None] = lambda: None
         """Called on every turn of every wait: the place for a progress display."""
         self._stop = stop

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from messaging.control import ControllerState, Target, TendonCommand
 from messaging.frames import CameraCalibration
 from messaging.shape import ShapeEstimate, Truth
 from nodal.errors import ReportError
+from nodal.report.truth import TrueShapes
 
 
 class FrameSets:
@@ -43,10 +45,36 @@ class BenchRun:
     commands: list[TendonCommand] = dataclasses.field(default_factory=list)
     targets: dict[str, Target] = dataclasses.field(default_factory=dict)
 
-    @property
+    def covered(self, truth: TrueShapes) -> list[ShapeEstimate]:
+        """The usable estimates for whose capture there is a truth."""
+        known = truth.covers(times_ns(self.usable))
+        return [shape for shape, good in zip(self.usable, known, strict=True) if good]
+
+    @cached_property
+    def _captures(self) -> dict[int, list[int]]:
+        captures: dict[int, list[int]] = {}
+        for shape in self.usable:
+            captures.setdefault(shape.sequence, []).append(shape.capture_time_ns)
+        return captures
+
+    @cached_property
     def usable(self) -> list[ShapeEstimate]:
         """The estimates that hold a shape, flagged ones too."""
         return [shape for shape in self.shapes if not shape.refusal]
+
+    def driven_nodes(self, target_name: str) -> tuple[str, ...]:
+        """The nodal points that a target weighs; none when it was never accepted."""
+        target = self.targets.get(target_name)
+        if target is None:
+            return ()
+        return tuple(
+            name for name, weight in zip(target.node_names, target.weights, strict=True) if weight > 0
+        )
+
+    def captured_ns(self, sequence: int, before_ns: int) -> int | None:
+        """When the shape with this number was captured that had been seen by then: numbers begin anew with sensing."""
+        earlier = [time for time in self._captures.get(sequence, ()) if time <= before_ns]
+        return earlier[-1] if earlier else None
 
     def arcs_mm(self, names: Sequence[str]) -> NDArray[np.float64]:
         """Where these nodal points were last said to be (M,), in mm from the base; raises ReportError."""

@@ -6,6 +6,7 @@ from messaging import topics
 from messaging.control import ControllerState, Target, TendonCommand
 from messaging.frames import CameraCalibration, Frame
 from messaging.shape import ShapeEstimate, Truth
+from nodal.bench_file import CALIBRATION_ATTACHMENT
 from nodal.calibration_file import rig_in
 from nodal.errors import ReportError
 from nodal.report.bench_run import BenchRun
@@ -13,8 +14,8 @@ from recordings.parts import parts
 from recordings.reader import Recorded, attachments, messages, metadata
 
 DECODED = (topics.SHAPE, topics.TRUTH, topics.CONTROLLER_STATE, topics.TENDON_COMMAND, topics.TARGET)
-CALIBRATION = "calibration.json"
-"""The name under which the recorder attaches the rig."""
+
+LOGGED_WITHIN_NS = 1_000_000_000
 
 
 def load_run(recording: Path) -> BenchRun:
@@ -30,12 +31,16 @@ def load_run(recording: Path) -> BenchRun:
 
 
 def frame_set(recording: Path, time_ns: int) -> dict[str, Frame]:
-    """Each camera's first frame that was logged at or after this Unix time."""
+    """Each camera's frame that was captured nearest to this Unix time."""
     frames: dict[str, Frame] = {}
     for file in parts(recording):
         for recorded in messages(file, (topics.CAMERA,)):
-            if recorded.log_time_ns >= time_ns and isinstance(recorded.message, Frame):
-                frames.setdefault(recorded.message.camera, recorded.message)
+            if not time_ns <= recorded.log_time_ns <= time_ns + LOGGED_WITHIN_NS:
+                continue
+            if isinstance(frame := recorded.message, Frame):
+                nearest = frames.setdefault(frame.camera, frame)
+                if abs(frame.capture_time_ns - time_ns) < abs(nearest.capture_time_ns - time_ns):
+                    frames[frame.camera] = frame
     return frames
 
 
@@ -59,9 +64,9 @@ def _sort_in(run: BenchRun, recorded: Recorded) -> None:
 
 def _rig(file: Path) -> tuple[CameraCalibration, ...]:
     attached = attachments(file)
-    if CALIBRATION not in attached:
-        raise ReportError(f"{file}: no {CALIBRATION} is attached")
-    return rig_in(attached[CALIBRATION], f"{file}, attachment {CALIBRATION}")
+    if CALIBRATION_ATTACHMENT not in attached:
+        raise ReportError(f"{file}: no {CALIBRATION_ATTACHMENT} is attached")
+    return rig_in(attached[CALIBRATION_ATTACHMENT], f"{file}, attachment {CALIBRATION_ATTACHMENT}")
 
 
 def _lost(file: Path) -> int:

@@ -32,7 +32,9 @@ def open_loop_path(
     robot = SimulatedRobot(settings)
     for share in np.arange(STEP_S, APPROACH_S, STEP_S) / APPROACH_S:
         _drive(robot, share * commands[0])
-    line_arc_mm = np.linspace(0, sum(section.length_mm for section in settings.sections), settings.centreline_points)
+    line_arc_mm = np.linspace(
+        0, sum(section.length_mm for section in settings.sections), settings.centreline_points
+    )
     moments = np.arange(time_s[0], time_s[-1], STEP_S)
     reached = np.empty((len(moments), len(arc_mm), 3))
     for row, moment in enumerate(moments):

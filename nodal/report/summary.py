@@ -62,7 +62,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 def summary_of(run: BenchRun, recording: str, open_loop_rms_mm: float | None) -> Summary:
     """Errors are against the truth at each estimate's capture time; raises ReportError when there is no truth."""
     truth = TrueShapes(run.truths)
-    nodes, tips = estimate_errors_mm(run, truth)
     circle = tracking_of(run, truth, CIRCLE)
     hold = tracking_of(run, truth, HOLD).second_half()
     capture_to_command = [c.capture_to_command_ns for c in run.commands if c.capture_to_command_ns >= 0]
@@ -73,8 +72,8 @@ def summary_of(run: BenchRun, recording: str, open_loop_rms_mm: float | None) ->
         estimates=len(run.usable),
         estimate_rate_hz=_rounded((len(captured) - 1) / span_s) if span_s else None,
         flagged=sum(bool(shape.flags) for shape in run.usable),
-        node_error_mm=_spread(nodes),
-        tip_error_mm=_spread(tips),
+        node_error_mm=_spread(np.concatenate([np.zeros(0), *node_errors_mm(run, truth)])),
+        tip_error_mm=_spread(tip_errors_mm(run, truth)),
         tracking_error_mm=TrackingFigures(rms=_rounded(circle.rms_mm()), steady=_rounded(hold.rms_mm())),
         open_loop_error_mm=OpenLoopFigures(rms=_rounded(open_loop_rms_mm)),
         capture_to_command_ms=_percentiles(np.array(capture_to_command) / 1e6),
@@ -84,19 +83,19 @@ def summary_of(run: BenchRun, recording: str, open_loop_rms_mm: float | None) ->
     )
 
 
-def estimate_errors_mm(run: BenchRun, truth: TrueShapes) -> tuple[Array, Array]:
-    """Distances of all nodal points (K,), and of the tip (N,), of every estimate from the truth when it was captured."""
-    shapes = run.usable
-    time_ns = times_ns(shapes)
-    covered = truth.covers(time_ns) if len(time_ns) else np.zeros(0, bool)
-    nodes, tips = [np.zeros(0)], []
-    for shape, known in zip(shapes, covered, strict=True):
-        if known:
-            at = time_ns[:1] * 0 + shape.capture_time_ns
-            true_nodes = truth.points_mm(at, shape.node_arc_mm)[0]
-            nodes.append(np.linalg.norm(shape.node_mm - true_nodes, axis=1))
-            tips.append(np.linalg.norm(shape.centreline_mm[-1] - truth.centrelines_mm(at)[0, -1]))
-    return np.concatenate(nodes), np.array(tips)
+def node_errors_mm(run: BenchRun, truth: TrueShapes) -> list[Array]:
+    """For each estimate that the truth covers, the distances (M,) of its nodal points from the truth at its capture."""
+    return [
+        np.linalg.norm(shape.node_mm - truth.points_mm(times_ns([shape]), shape.node_arc_mm)[0], axis=1)
+        for shape in run.covered(truth)
+    ]
+
+
+def tip_errors_mm(run: BenchRun, truth: TrueShapes) -> Array:
+    """(N,) the same for the end of the centreline."""
+    shapes = run.covered(truth)
+    ends = np.array([shape.centreline_mm[-1] for shape in shapes]).reshape(-1, 3)
+    return np.asarray(np.linalg.norm(ends - truth.centrelines_mm(times_ns(shapes))[:, -1], axis=1))
 
 
 def _spread(values: Array) -> Spread:

@@ -39,21 +39,23 @@ class Tracking:
 
 
 def tracking_of(run: BenchRun, truth: TrueShapes, target_name: str) -> Tracking:
-    """While the controller tracked this target."""
-    target = run.targets.get(target_name)
-    states = [
-        state for state in run.states if state.state is State.TRACKING and state.target_name == target_name
-    ]
-    names = tuple(
-        name for name, weight in zip(target.node_names, target.weights, strict=True) if weight > 0
-    ) if target else ()
-    arcs = run.arcs_mm(names)
-    states = [state for state in states if set(names) <= set(state.node_names)]
-    time_ns = np.array([state.time_ns for state in states], dtype=np.int64)
-    known = truth.covers(time_ns) if len(time_ns) else np.zeros(0, bool)
-    desired = np.array(
-        [[state.desired_mm[state.node_names.index(name)] for name in names] for state in states]
-    ).reshape(len(states), len(names), 3)
-    time_ns, desired = time_ns[known], desired[known]
-    true = truth.points_mm(time_ns, arcs) if len(time_ns) else np.zeros_like(desired)
-    return Tracking(time_ns=time_ns, names=names, desired_mm=desired, true_mm=true)
+    """While the controller tracked this target, once for each shape that it acted on; raises ReportError.
+
+    The controller says where the points should have been when the shape was captured, so the truth is taken then.
+    """
+    names = run.driven_nodes(target_name)
+    rows: dict[int, Array] = {}
+    for state in run.states:
+        if state.state is State.TRACKING and state.target_name == target_name:
+            captured_ns = run.captured_ns(state.shape_sequence, state.time_ns)
+            if captured_ns is not None:
+                order = [state.node_names.index(name) for name in names]
+                rows.setdefault(captured_ns, state.desired_mm[order])
+    time_ns = np.array(sorted(rows), dtype=np.int64)
+    time_ns = time_ns[truth.covers(time_ns)]
+    return Tracking(
+        time_ns=time_ns,
+        names=names,
+        desired_mm=np.array([rows[time] for time in time_ns.tolist()]).reshape(len(time_ns), len(names), 3),
+        true_mm=truth.points_mm(time_ns, run.arcs_mm(names)),
+    )

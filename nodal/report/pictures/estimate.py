@@ -83,7 +83,9 @@ def _stages(path: Path, views: Sequence[View], shape: Shape, nodes: NodalPoints)
             silhouette = shape.stages.silhouettes[name] if shape.stages else None
             if silhouette:
                 size = view.picture.shape[1::-1]
-                mask = cv2.resize(np.uint8(255) * (silhouette.mask > 0), size, interpolation=cv2.INTER_NEAREST)
+                mask = cv2.resize(
+                    np.uint8(255) * (silhouette.mask > 0), size, interpolation=cv2.INTER_NEAREST
+                )
                 _camera_axes(row[1], view, "segmented", np.asarray(mask, np.uint8))
                 _camera_axes(row[2], view, "skeleton", np.asarray(mask // 4, np.uint8))
                 row[2].plot(*silhouette.skeleton.T, ".", color="white", markersize=1.2)

@@ -46,7 +46,9 @@ def picture(path: Path, width_in: float, height_in: float) -> Iterator[Any]:
         from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
         from matplotlib.figure import Figure  # noqa: PLC0415
     except ImportError as error:
-        raise NodalError(f"{path.name}: pictures need matplotlib; install nodal with its extra `plots`") from error
+        raise NodalError(
+            f"{path.name}: pictures need matplotlib; install nodal with its extra `plots`"
+        ) from error
     with mpl.rc_context(RULES):
         figure = Figure(figsize=(width_in, height_in))
         FigureCanvasAgg(figure)

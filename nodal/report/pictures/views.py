@@ -36,7 +36,9 @@ class View:
         part = int(max(x0, 0)), int(max(y0, 0)), int(min(x1, width)), int(min(y1, height))
         return cls(calibration=calibration, picture=picture, part=part)
 
-    def shown(self, picture: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], tuple[float, float, float, float]]:
+    def shown(
+        self, picture: NDArray[np.uint8]
+    ) -> tuple[NDArray[np.uint8], tuple[float, float, float, float]]:
         """The part of a picture of full size, and its extent for `imshow`, so that overlays keep full-size pixels."""
         x0, y0, x1, y1 = self.part
         return picture[y0:y1, x0:x1], (x0 - 0.5, x1 - 0.5, y1 - 0.5, y0 - 0.5)

@@ -1,0 +1,98 @@
+"""Live progress on stderr: a table that is redrawn on a terminal, a line now and then elsewhere."""
+
+import time
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from nodal.demo.launcher import Launcher
+from nodal.demo.telemetry import Telemetry
+
+REDRAW_S = 0.5
+LINE_S = 2.0
+
+
+class Progress:
+    """Shows how the bench fares. `show` is called often and draws rarely."""
+
+    def __init__(self, launcher: Launcher, telemetry: Telemetry, watched: str, seconds: float) -> None:
+        """`watched` is the nodal point whose place is shown, `seconds` how long the demo takes."""
+        self._launcher = launcher
+        self._telemetry = telemetry
+        self._watched = watched
+        self._seconds = seconds
+        self._console = Console(stderr=True)
+        self._live = Live(console=self._console, auto_refresh=False, transient=True)
+        self._start_s = time.monotonic()
+        self._next_s = 0.0
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Leave the terminal as it was."""
+        if self._console.is_terminal:
+            self._live.stop()
+
+    def say(self, text: str) -> None:
+        """One line that stays."""
+        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def show(self) -> None:
+        """Draw if it is time to."""
+        now_s = time.monotonic()
+        if now_s < self._next_s:
+            return
+        self._next_s = now_s + (REDRAW_S if self._console.is_terminal else LINE_S)
+        facts = self._facts(now_s - self._start_s)
+        if self._console.is_terminal:
+            self._live.update(_table(facts), refresh=True)
+        else:
+            self.say(" | ".join(f"{name} {value}" for name, value in facts.items()))
+
+    def _facts(self, elapsed_s: float) -> dict[str, str]:
+        shape, controller = self._telemetry.shape, self._telemetry.controller
+        facts = {"time": f"{elapsed_s:.0f} of about {self._seconds:.0f} s"}
+        if shape is None:
+            facts["sensing"] = "silent"
+        else:
+            state = shape.refusal or ", ".join(shape.flags) or "good"
+            age_ms = shape.capture_to_publish_ns / 1e6
+            facts["sensing"] = f"{self._telemetry.shape_rate_hz:.1f} Hz, {age_ms:.0f} ms old, {state}"
+            if self._watched in shape.node_names:
+                place = shape.node_mm[shape.node_names.index(self._watched)]
+                facts[self._watched] = " ".join(f"{value:.2f}" for value in place) + " mm"
+        if controller is None:
+            facts["controller"] = "silent"
+        else:
+            facts["controller"] = (
+                f"{controller.state}, {self._telemetry.control_rate_hz:.0f} Hz, "
+                f"{1e3 * controller.lateness_s:.1f} ms late"
+            )
+            if controller.target_name and np.isfinite(controller.tracking_error_mm):
+                facts["tracking"] = f"{controller.target_name}, {controller.tracking_error_mm:.2f} mm off"
+            if controller.reason:
+                facts["because"] = controller.reason
+        restarts = [
+            f"{child.name} {child.restarts}" for child in self._launcher.children.values() if child.restarts
+        ]
+        if restarts:
+            facts["restarts"] = ", ".join(restarts)
+        return facts
+
+
+def _table(facts: dict[str, str]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    for name, value in facts.items():
+        table.add_row(Text(name, style="bold"), Text(value))
+    return table

@@ -1,0 +1,83 @@
+"""Writes a run's summary.json and its pictures."""
+
+import dataclasses
+import logging
+import time
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from messaging.shape import NodalPoints, ShapeEstimate
+from nodal.bench_file import Bench
+from nodal.errors import ReportError
+from nodal.report.bench_run import BenchRun
+from nodal.report.loading import frame_set, load_run
+from nodal.report.open_loop import open_loop_path
+from nodal.report.pictures.estimate import draw_estimate
+from nodal.report.pictures.run import draw_run
+from nodal.report.summary import CIRCLE, Summary, summary_of
+from nodal.report.tracking import Tracking, tracking_of
+from nodal.report.truth import TrueShapes
+from sensing.errors import SensingError
+from sensing.pipeline import Scene, estimate
+
+logger = logging.getLogger(__name__)
+
+CANDIDATES_APART = 97
+"""Frame sets between two that are tried for a picture of the stages, in the order of their bend."""
+
+
+def write_report(folder: Path, recording: Path, bench: Bench) -> Summary:
+    """From the recording of this simulated bench; raises ReportError, RecordingError, NodalError without matplotlib."""
+    run = load_run(recording)
+    truth = TrueShapes(run.truths)
+    circle = tracking_of(run, truth, CIRCLE)
+    without_feedback = _without_feedback(circle, run, bench)
+    summary = summary_of(run, recording.name, without_feedback.rms_mm() if without_feedback else None)
+    (folder / "summary.json").write_bytes(msgspec.json.format(msgspec.json.encode(summary), indent=1) + b"\n")
+    draw_run(folder, run, truth, circle, without_feedback)
+    _draw_one_estimate(folder, recording, run, bench)
+    return summary
+
+
+def _without_feedback(circle: Tracking, run: BenchRun, bench: Bench) -> Tracking | None:
+    """What the circle of this run would have been in open loop; None when there was no circle."""
+    if len(circle.time_ns) < 2 or bench.settings.simulation is None:
+        return None
+    reached_mm = open_loop_path(
+        circle.desired_mm,
+        (circle.time_ns - circle.time_ns[0]) / 1e9,
+        run.arcs_mm(circle.names),
+        bench.settings.controller.kinematics(bench.settings.robot),
+        bench.settings.simulation.robot,
+    )
+    return dataclasses.replace(circle, true_mm=reached_mm)
+
+
+def _draw_one_estimate(folder: Path, recording: Path, run: BenchRun, bench: Bench) -> None:
+    """The stages of one frame set, found anew without a prior: the more a shape is bent, the more it shows."""
+    sensing = bench.settings.sensing
+    scene = Scene.of(
+        run.rig,
+        bench.backgrounds,
+        sensing.backdrop_colour,
+        bench.settings.robot.length_mm,
+        sensing.holder_radius_mm,
+    )
+    for shape in sorted(run.usable, key=_sideways_mm, reverse=True)[::CANDIDATES_APART]:
+        jpegs = {name: frame.jpeg for name, frame in frame_set(recording, shape.capture_time_ns).items()}
+        try:
+            pictures = {name: scene.picture(name, jpeg) for name, jpeg in jpegs.items()}
+            found = estimate(pictures, scene, shape.insertion_mm, None, time.perf_counter)
+        except SensingError as error:
+            logger.info("no picture of frame set %d: %s", shape.sequence, error)
+            continue
+        nodes = NodalPoints(names=shape.node_names, arc_mm=shape.node_arc_mm)
+        draw_estimate(folder, jpegs, run.rig, found, nodes)
+        return
+    raise ReportError(f"{recording}: no frame set could be estimated anew for the pictures of its stages")
+
+
+def _sideways_mm(shape: ShapeEstimate) -> float:
+    return float(np.linalg.norm(shape.centreline_mm[-1, :2]))
