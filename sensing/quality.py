@@ -11,7 +11,7 @@ from messaging.shape import Flag
 from sensing import curve
 from sensing.camera import Camera
 from sensing.pairing import triangulate
-from sensing.refinement import Fit, Prior, predicted_edges
+from sensing.refinement import Fit, Prior, predicted_outline
 from sensing.segmentation import Mask, small_pixels
 
 LARGE_RESIDUAL_PX = 0.8
@@ -76,8 +76,10 @@ def flags(
 
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
-    _, one, other = predicted_edges(camera, fit.curve)
-    outline = np.vstack([small_pixels(camera.project(one)), small_pixels(camera.project(other))[::-1]])
+    edges = predicted_outline(camera, fit.curve)
+    outline = np.vstack(
+        [small_pixels(camera.project(edges.one)), small_pixels(camera.project(edges.other))[::-1]]
+    )
     radius = float(np.median(np.linalg.norm(np.diff(outline.reshape(2, -1, 2), axis=0), axis=2))) / 2
     rim = int(np.ceil(0.35 * radius))
     tube = np.zeros_like(mask)

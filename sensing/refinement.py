@@ -35,7 +35,9 @@ SMOOTH_MM = 60.0
 
 SMOOTHNESS: FloatArray = np.asarray(np.kron(curve.JUMPS.T @ curve.JUMPS, np.eye(3)) / SMOOTH_MM**2)
 LEAST_FORESHORTENING = 0.2
-"""Below this sine between the tip's direction and the sight the end cannot be told from the tube's side."""
+"""Below this sine between the tube and the sight the tube is seen end on: it has no edges and no end."""
+CLEAR_FORESHORTENING = 0.5
+"""Below this sine parts of the tube begin to hide one another, and edges lose weight."""
 END_LINES: FloatArray = np.array([-0.75, -0.4, 0.0, 0.4, 0.75])
 END_MARGIN_PX = 25.0
 END_SCALE_PX = 4.0
@@ -122,8 +124,21 @@ class Fit:
         return float(np.sqrt(sum(view.end.outline_px**2 for view in self.views if view.end)))
 
 
-def predicted_edges(camera: Camera, fitted: Curve) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Points (n, 3) of the contour generator's middle, and the two edges (n, 3) each, in the robot frame."""
+@dataclass(frozen=True)
+class Outline:
+    """Where a camera sees the tube's two edges: points (n, 3) of one, the other and the middle between, robot frame.
+
+    `foreshortening` (n,) is the sine between tube and sight: 1 from the side, 0 end on, where there are no edges.
+    """
+
+    middle: FloatArray
+    one: FloatArray
+    other: FloatArray
+    foreshortening: FloatArray
+
+
+def predicted_outline(camera: Camera, fitted: Curve) -> Outline:
+    """The contour generator of the fitted tube as this camera sees it."""
     points = fitted.points_mm
     tangents = curve.VELOCITY @ fitted.control_mm
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -134,7 +149,8 @@ def predicted_edges(camera: Camera, fitted: Curve) -> tuple[FloatArray, FloatArr
     sine = fitted.radius_mm / distance
     middle = points - (fitted.radius_mm * sine)[:, None] * towards
     side = (fitted.radius_mm * np.sqrt(1 - sine**2))[:, None] * np.cross(tangents, towards)
-    return middle, middle + side, middle - side
+    foreshortening = np.linalg.norm(across, axis=1) / np.linalg.norm(sight, axis=1)
+    return Outline(middle, middle + side, middle - side, foreshortening)
 
 
 def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, rounds: int) -> Fit:
@@ -207,20 +223,23 @@ class _System:
 
 
 def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:
-    middle, one, other = predicted_edges(view.camera, fitted)
-    pixels, jacobian = view.camera.project_with_jacobian(np.vstack([middle, one, other]))
-    count = len(middle)
+    outline = predicted_outline(view.camera, fitted)
+    pixels, jacobian = view.camera.project_with_jacobian(
+        np.vstack([outline.middle, outline.one, outline.other])
+    )
+    count = curve.SAMPLES
     first, second = pixels[count : 2 * count], pixels[2 * count :]
     across = first - second
     width = np.linalg.norm(across, axis=1)
     normals = across / np.maximum(width, 1e-9)[:, None]
     pairs = edge_pairs(view.picture, view.backdrop, (first + second) / 2, normals, width / 2)
     ratio = pairs.half_width_px / (width / 2)
-    valid = pairs.valid & (ratio > 0.7) & (ratio < 1.45)
+    valid = pairs.valid & (ratio > 0.7) & (ratio < 1.45) & (outline.foreshortening > LEAST_FORESHORTENING)
     rows = system.point_rows(curve.POSITION, np.einsum("ij,ijk->ik", normals, jacobian[:count]))
     residual = np.where(valid, pairs.middle_px, 0.0)
     scale = max(2.0 * float(np.median(np.abs(residual[valid]))) if valid.any() else 1.0, 2 * EDGE_PX)
-    weights = np.where(valid, EDGE_PX**-2 / (1 + (residual / scale) ** 2), 0.0)
+    clearness = np.minimum(outline.foreshortening / CLEAR_FORESHORTENING, 1.0) ** 2
+    weights = np.where(valid, clearness * EDGE_PX**-2 / (1 + (residual / scale) ** 2), 0.0)
     system.add(rows, residual, weights)
     end = _measure_end(view, fitted, tip, system)
     return ViewFit(
@@ -286,8 +305,8 @@ def _radius(views: tuple[View, ...], measured: tuple[ViewFit, ...], fitted: Curv
     """
     widths = []
     for view, fit in zip(views, measured, strict=True):
-        _, one, other = predicted_edges(view.camera, fitted)
-        across = view.camera.project(one) - view.camera.project(other)
+        outline = predicted_outline(view.camera, fitted)
+        across = view.camera.project(outline.one) - view.camera.project(outline.other)
         widths.append(fit.half_width_px / (np.linalg.norm(across, axis=1) / 2) * fitted.radius_mm)
     margin = RADIUS_WINDOW // 2
     padded = np.pad(np.array(widths), ((0, 0), (margin, margin)), constant_values=np.nan)
