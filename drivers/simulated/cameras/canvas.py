@@ -1,0 +1,106 @@
+"""The part of a picture that is drawn anew: its pixels, and how far away what they show is."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels
+
+_STEP_VARIANCE = np.float32(20 / 12)  # of a box over that of the slope of a smooth step
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of pixels: columns `left` to `right` and rows `top` to `bottom`, ends excluded."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.bottom - self.top, self.right - self.left
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """Rows and columns of the whole picture."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
+    @property
+    def corner(self) -> tuple[int, int]:
+        """Column and row of the first pixel."""
+        return self.left, self.top
+
+    def in_picture(self, index: Index, width_px: int) -> Index:
+        """Places in the window, counted row by row, as places in a picture of this width."""
+        rows = index // (self.right - self.left)
+        return index + rows * (width_px - self.right + self.left) + (self.top * width_px + self.left)
+
+
+@dataclass(frozen=True)
+class Fragments:
+    """What one body contributes to m pixels."""
+
+    index: Index
+    """(m,) places in the window, row by row."""
+    cover: Flat
+    """(m,) share of the pixel that is covered, 0 to 1."""
+    colour: Flat
+    """(3, m) blue, green, red."""
+    depth_mm: Flat
+    """(m,) along the view."""
+
+
+class Canvas:
+    """A window of a picture, on which bodies are painted."""
+
+    def __init__(self, picture: Pixels, window: Window) -> None:
+        """`picture` is the whole picture without the robot; it is left as it is."""
+        self.window = window
+        self._planes = cv2.split(picture[window.slices])
+        self._depth_mm = np.full(window.shape[0] * window.shape[1], np.inf, np.float32)
+
+    @property
+    def pixels(self) -> Pixels:
+        """(rows, columns, 3) blue, green, red."""
+        return np.asarray(cv2.merge(self._planes), dtype=np.uint8)
+
+    def paint(self, body: Fragments) -> None:
+        """Put a body over what is there, except where something nearer hides it."""
+        behind_mm = self._depth_mm.take(body.index)
+        cover = body.cover * (body.depth_mm <= behind_mm)
+        for plane, colour in zip(self._planes, body.colour, strict=True):
+            flat = plane.reshape(-1)
+            under = flat.take(body.index).astype(np.float32)
+            flat[body.index] = (under + cover * (colour - under) + np.float32(0.5)).astype(np.uint8)
+        self._depth_mm[body.index] = np.where(cover > 0.5, body.depth_mm, behind_mm)
+
+
+def covered(inside_px: Flat, motion_px: Flat, lens_blur_px: float) -> Flat:
+    """Share (m,) of pixels whose centres lie (m,) inside an edge that moves across itself while the shutter is open.
+
+    A smooth step of the width whose variance is that of a pixel, the lens and the motion together; at the edge it is 1/2.
+    """
+    variance_px2 = motion_px * motion_px + np.float32(1 + lens_blur_px**2)
+    step = np.clip(inside_px / np.sqrt(variance_px2 * _STEP_VARIANCE) + np.float32(0.5), 0, 1)
+    smooth: Flat = step * step * (3 - 2 * step)
+    return smooth
+
+
+def label_map(window: Window) -> Labels:
+    """An empty map of the window, for drawing which part of a body a pixel may show."""
+    return np.zeros(window.shape, np.int16)
+
+
+def labelled(labels: Labels) -> Index:
+    """(m,) where a map has labels, row by row."""
+    return np.flatnonzero(labels != 0)
+
+
+def draw_outline(labels: Labels, outline_px: NDArray[np.int32], label: int) -> None:
+    """Label the inside of a convex outline (k, 2) in the window's pixels."""
+    cv2.fillConvexPoly(labels, outline_px, label)

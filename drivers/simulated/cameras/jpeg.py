@@ -1,0 +1,116 @@
+"""JPEG pictures of which only a window is encoded anew.
+
+A baseline JPEG with restart markers (ITU T.81, F.1.1.5) is a row of stretches of code that know nothing of one another:
+a stretch of one picture may take the place of the same stretch of another, if both were encoded alike. Markers between
+stretches count modulo 8.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.simulated.cameras.arrays import Pixels
+from drivers.simulated.cameras.canvas import Window
+
+_SAMPLING_422 = 0x211111
+_BLOCK_WIDTH, _BLOCK_HEIGHT = 16, 8  # pixels of one coded unit with this sampling, which webcams use
+_COLUMNS = 8
+_FIRST_RESTART = 0xD0
+_END_OF_PICTURE = b"\xff\xd9"
+
+
+@dataclass(frozen=True)
+class Raster:
+    """How a picture is cut: rows of coded units, each in `columns` stretches."""
+
+    width_px: int
+    height_px: int
+    columns: int
+    rows: int
+    column_width_px: int
+
+    @classmethod
+    def of(cls, width_px: int, height_px: int) -> Self:
+        """Eight stretches a row where that divides the width, else one."""
+        units = -(-width_px // _BLOCK_WIDTH)
+        fits = width_px % (_BLOCK_WIDTH * _COLUMNS) == 0
+        columns = _COLUMNS if fits else 1
+        return cls(
+            width_px, height_px, columns, -(-height_px // _BLOCK_HEIGHT), units // columns * _BLOCK_WIDTH
+        )
+
+    def widen(self, window: Window) -> Window:
+        """The smallest window of whole stretches that holds this one, within the picture."""
+        width = self.column_width_px
+        left = max(window.left, 0) // width * width
+        top = max(window.top, 0) // _BLOCK_HEIGHT * _BLOCK_HEIGHT
+        right = min(-(-window.right // width) * width, self.width_px)
+        bottom = min(-(-window.bottom // _BLOCK_HEIGHT) * _BLOCK_HEIGHT, self.height_px)
+        return Window(
+            left, top, max(right, left + min(width, self.width_px)), max(bottom, top + _BLOCK_HEIGHT)
+        )
+
+    def encode(self, pixels: Pixels, quality: int) -> "Stretches":
+        """The code of a picture, or of a window made of whole stretches."""
+        parameters = [
+            cv2.IMWRITE_JPEG_QUALITY,
+            quality,
+            cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
+            _SAMPLING_422,
+            cv2.IMWRITE_JPEG_RST_INTERVAL,
+            self.column_width_px // _BLOCK_WIDTH,
+        ]
+        return Stretches.of(cv2.imencode(".jpg", pixels, parameters)[1])
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """The bytes of a JPEG, and where its stretches lie."""
+
+    code: bytes
+    start: list[int]
+    """Where each stretch begins; and, last, where one more would: its marker's end."""
+
+    @classmethod
+    def of(cls, code: NDArray[np.uint8]) -> Self:
+        """Find the stretches. Within code a byte FF is never followed by a marker's number unless it is one."""
+        scan = _scan_start(code)
+        marks = scan + np.flatnonzero(code[scan:-1] == 0xFF)
+        marks = marks[(code[marks + 1] & 0xF8) == _FIRST_RESTART]
+        return cls(code.tobytes(), [scan, *(marks + 2).tolist(), len(code)])
+
+
+def splice(picture: Stretches, patch: Stretches, window: Window, raster: Raster) -> bytes:
+    """The JPEG `picture` with `patch` in its `window`."""
+    first_column, end_column = (
+        window.left // raster.column_width_px,
+        -(-window.right // raster.column_width_px),
+    )
+    first_row, end_row = window.top // _BLOCK_HEIGHT, -(-window.bottom // _BLOCK_HEIGHT)
+    last = raster.rows * raster.columns - 1
+    pieces = []
+    kept, patched = 0, 0
+    for row in range(first_row, end_row):
+        number = row * raster.columns + first_column
+        pieces.append(picture.code[kept : picture.start[number]])
+        for _ in range(first_column, end_column):
+            pieces.append(patch.code[patch.start[patched] : patch.start[patched + 1] - 2])
+            pieces.append(bytes((0xFF, _FIRST_RESTART + number % 8)) if number < last else _END_OF_PICTURE)
+            number += 1
+            patched += 1
+        kept = picture.start[number]
+    pieces.append(picture.code[kept:])
+    return b"".join(pieces)
+
+
+def _scan_start(code: NDArray[np.uint8]) -> int:
+    """Where the header ends: segments follow one another, each with its length, up to the start of the scan."""
+    position = 2
+    while True:
+        marker, length = code[position + 1], int(code[position + 2]) << 8 | int(code[position + 3])
+        position += 2 + length
+        if marker == 0xDA:
+            return position

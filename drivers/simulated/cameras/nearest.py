@@ -1,0 +1,86 @@
+"""Where along the centreline each of many rays passes closest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.simulated.cameras.arrays import Flat, Index
+from drivers.simulated.cameras.curve import Curve
+
+_LARGEST_STEP_MM = np.float32(3.0)
+_TINY = np.float32(1e-6)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """How m rays (x, y, 1) pass the curve, each at its closest point."""
+
+    sample: Index
+    """(m,) index of a sample of the curve beside that point."""
+    distance_mm: Flat
+    """(m,) between the ray and the centreline."""
+    sideways_mm: Flat
+    """(m,) share of the distance across the tube; the rest of it lies along the tube, at the tip."""
+    offset_mm: Flat
+    """(3, m) from the centreline to the ray, in the camera frame."""
+    depth_mm: Flat
+    """(m,) of the ray's point, along the view."""
+    obliquity: Flat
+    """(m,) sine of the angle between the ray and the tube, times the length of (x, y, 1)."""
+
+
+def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat) -> Passage:
+    """Find the passages of rays (m,), starting from distances (m,) from the curve's first sample.
+
+    Passages beyond `end_mm`, also from the first sample, are held there. Newton's method on the squared distance.
+    """
+    points = np.ascontiguousarray(curve.points_mm.T, dtype=np.float32)
+    tangents = np.ascontiguousarray(curve.tangents.T, dtype=np.float32)
+    spacing, end = np.float32(curve.spacing_mm), np.float32(end_mm)
+    along = start_mm
+    for _ in range(2):
+        sample = np.rint(along / spacing).astype(np.intp)
+        rest = along - sample.astype(np.float32) * spacing
+        tangent = tangents.take(sample, axis=1)
+        point = points.take(sample, axis=1)
+        point += rest * tangent
+        # the moment's length over the ray's is the distance, without the cancellation of a difference of large squares
+        moment, turn = _cross_ray(point, x, y), _cross_ray(tangent, x, y)
+        turn2 = np.maximum(dot(turn, turn), _TINY)
+        step = np.clip(dot(moment, turn) / -turn2, -_LARGEST_STEP_MM, _LARGEST_STEP_MM)
+        moved = np.clip(along + step, 0, end)
+        step, along = moved - along, moved
+    moment += step * turn
+    point += step * tangent
+    ray2 = x * x + y * y + 1
+    depth = (point[0] * x + point[1] * y + point[2]) / ray2
+    obliquity = np.sqrt(turn2)
+    return Passage(
+        sample=sample,
+        distance_mm=np.sqrt(dot(moment, moment) / ray2),
+        sideways_mm=-dot(point, turn) / obliquity,
+        offset_mm=np.stack([depth * x - point[0], depth * y - point[1], depth - point[2]]),
+        depth_mm=depth,
+        obliquity=obliquity,
+    )
+
+
+def gather(table: NDArray[np.float64], rows: Index) -> Flat:
+    """(k, m): rows (m,) of a table (n, k)."""
+    return np.ascontiguousarray(table.T, dtype=np.float32).take(rows, axis=1)
+
+
+def dot(a: Flat, b: Flat) -> Flat:
+    """(m,) products of columns of (3, m) and (3, m)."""
+    product: Flat = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return product
+
+
+def _cross_ray(vector: Flat, x: Flat, y: Flat) -> Flat:
+    """(3, m) vectors cross (x, y, 1)."""
+    crossed = np.empty_like(vector)
+    np.subtract(vector[1], vector[2] * y, out=crossed[0])
+    np.subtract(vector[2] * x, vector[0], out=crossed[1])
+    np.subtract(vector[0] * y, vector[1] * x, out=crossed[2])
+    return crossed

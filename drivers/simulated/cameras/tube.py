@@ -1,0 +1,106 @@
+"""The robot's tube, pixel by pixel: the envelope of spheres along the centreline, seen in exact perspective.
+
+For each pixel near the projected centreline the sphere that the pixel's ray meets deepest is sought; the ray's distance
+from its middle, against its radius, says how much of the pixel is covered. The last sphere is the round tip.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.simulated.cameras.arrays import Array, Flat, Labels
+from drivers.simulated.cameras.canvas import Fragments, Window, covered, labelled
+from drivers.simulated.cameras.curve import Curve
+from drivers.simulated.cameras.light import Light
+from drivers.simulated.cameras.nearest import Passage, dot, gather, pass_by
+from drivers.simulated.cameras.projection import Projection
+from drivers.simulated.cameras.strips import Strips
+
+_SAMPLES_PER_STRIP = 4
+_EDGE_MARGIN_PX = 2.0
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A curve with a radius (n,) in mm and a colour (n, 3) at each of its samples."""
+
+    curve: Curve
+    radius_mm: Array
+    colour: Array
+
+    def fragments(
+        self, projection: Projection, window: Window, light: Light, lens_blur_px: float
+    ) -> list[Fragments]:
+        """What the window shows of the tube: what it may hide of itself, if anything, then what is in front."""
+        scale = projection.focal_px / self.curve.points_mm[:, 2]
+        motion_px = float((np.linalg.norm(self.curve.motion_mm, axis=1) * scale).max())
+        reach_px = self.radius_mm * scale + _EDGE_MARGIN_PX + (lens_blur_px + motion_px) / 2
+        points_mm = self.curve.points_mm[::_SAMPLES_PER_STRIP]
+        strips = Strips(
+            middle_px=projection.to_pixels(points_mm) - window.corner,
+            reach_px=reach_px[::_SAMPLES_PER_STRIP],
+            depth_mm=points_mm[:, 2],
+        )
+        look = _Look(self, projection, light)
+        return [look.fragments(labels, window, lens_blur_px) for labels in strips.layers(window)]
+
+
+class _Look:
+    """What each sample of the tube looks like from the camera."""
+
+    def __init__(self, tube: Tube, projection: Projection, light: Light) -> None:
+        curve = tube.curve
+        view = curve.points_mm / np.linalg.norm(curve.points_mm, axis=1, keepdims=True)
+        aside = np.cross(curve.tangents, view)
+        aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-9)
+        facing = np.cross(curve.tangents, aside)
+        up = projection.rotation[:, 2]
+        base_mm = curve.points_mm[np.argmin(np.abs(curve.arc_mm))]
+        self._tube = tube
+        self._projection = projection
+        self._light = light
+        self._surface = np.column_stack([tube.radius_mm, aside @ light.direction, facing @ light.direction])
+        self._rise = np.column_stack([aside @ up, facing @ up, (curve.points_mm - base_mm) @ up])
+
+    def fragments(self, labels: Labels, window: Window, lens_blur_px: float) -> Fragments:
+        """What the tube contributes to the labelled pixels of the window."""
+        curve = self._tube.curve
+        index = labelled(labels)
+        x, y = self._projection.rays(window.in_picture(index, self._projection.width_px))
+        start_mm = (labels.reshape(-1).take(index) - 1) * np.float32(_SAMPLES_PER_STRIP * curve.spacing_mm)
+        end_mm = curve.length_mm - float(self._tube.radius_mm[-1]) - float(curve.arc_mm[0])
+        passage = pass_by(curve, end_mm, x, y, start_mm)
+
+        radius, lamp_aside, lamp_facing = gather(self._surface, passage.sample)
+        share = passage.distance_mm / radius
+        sideways = passage.sideways_mm / radius
+        outwards = np.sqrt(np.maximum(1 - share * share, 0))
+        px_per_mm = np.float32(self._projection.focal_px) / passage.depth_mm
+        inside_px = (radius - passage.distance_mm) * px_per_mm
+        cover = covered(inside_px, self._motion_px(passage, px_per_mm), lens_blur_px)
+        self._sink_base(cover, passage, sideways, outwards, px_per_mm)
+        lit = self._light.brightness(lamp_aside * sideways + lamp_facing * outwards)
+        return Fragments(
+            index=index,
+            cover=cover,
+            colour=gather(self._tube.colour, passage.sample) * lit,
+            depth_mm=passage.depth_mm - radius * outwards / passage.obliquity,
+        )
+
+    def _motion_px(self, passage: Passage, px_per_mm: Flat) -> Flat:
+        """(m,) motion across the silhouette's edge while the shutter is open."""
+        motion_mm = gather(self._tube.curve.motion_mm, passage.sample)
+        across_mm = dot(motion_mm, passage.offset_mm) / np.maximum(passage.distance_mm, np.float32(1e-3))
+        motion_px: Flat = across_mm * px_per_mm
+        return motion_px
+
+    def _sink_base(
+        self, cover: Flat, passage: Passage, sideways: Flat, outwards: Flat, px_per_mm: Flat
+    ) -> None:
+        """Uncover what lies below the plane of the base, inside the holder."""
+        above = np.searchsorted(self._tube.curve.arc_mm, 2 * self._tube.radius_mm[0])
+        low = np.flatnonzero(passage.sample < above)
+        rise_aside, rise_facing, axis_height = gather(self._rise, passage.sample[low])
+        rise = rise_aside * sideways[low] + rise_facing * outwards[low]
+        height_mm = axis_height + np.float32(self._tube.radius_mm[0]) * rise
+        cover[low] *= np.clip(0.5 + height_mm * px_per_mm[low], 0, 1)
