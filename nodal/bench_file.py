@@ -21,8 +21,12 @@ from nodal.toml_file import Table, read_table, settings_from, written
 from recordings.settings import RecorderSettings
 from sensing.settings import SensingSettings
 
-PATHS_TO_READ = (("calibration",), ("sensing", "background", "*"))
-PATHS_TO_MAKE = (("servos", "port"), ("simulation", "servos", "link"), ("recorder", "folder"))
+PATHS_TO_READ: tuple[tuple[str, ...], ...] = (("calibration",), ("sensing", "background", "*"))
+PATHS_TO_MAKE: tuple[tuple[str, ...], ...] = (
+    ("servos", "port"),
+    ("simulation", "servos", "link"),
+    ("recorder", "folder"),
+)
 """Keys whose values are paths, relative to the bench file's folder; `*` stands for every key. What is made by a bench that
 comes with nodal goes below `runs/` where the command was started, not into the installed package."""
 

@@ -1,6 +1,7 @@
 """The calibration file: every camera of the rig, in JSON. docs/calibration-file.md says what each key means."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,6 +13,8 @@ from numpy.typing import ArrayLike
 from messaging.errors import InvalidMessageError
 from messaging.frames import CameraCalibration
 from nodal.errors import CalibrationFileError
+
+NUMBERS = re.compile(r"\[[-+.,\deE\s]+\]")
 
 Row = list[float]
 Matrix = list[list[float]]
@@ -66,7 +69,7 @@ def save_rig(path: Path, cameras: Sequence[CameraCalibration]) -> None:
         },
     }
     try:
-        path.write_text(json.dumps(rig, indent=1) + "\n", encoding="utf-8")
+        path.write_text(NUMBERS.sub(_on_one_line, json.dumps(rig, indent=1)) + "\n", encoding="utf-8")
     except OSError as error:
         raise CalibrationFileError(f"{path}: cannot be written: {error.strerror}") from error
 
@@ -101,6 +104,10 @@ def rig_from_matrices(
         )
         for name in names
     )
+
+
+def _on_one_line(numbers: re.Match[str]) -> str:
+    return "[" + " ".join(numbers[0].strip("[]").split()) + "]"
 
 
 def _five_terms(name: str, distortion: ArrayLike) -> Any:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from messaging import topics
-from messaging.session import Publisher, Session, open_rendezvous, open_session
+from messaging.session import Session, open_rendezvous, open_session
 from messaging.views import LogLine
 from nodal.bench_file import Bench
 from nodal.notify import Health
@@ -72,7 +72,7 @@ class _PublishedLog(logging.Handler):
 
     def __init__(self, session: Session, process: str) -> None:
         super().__init__(level=logging.INFO)
-        self._publisher: Publisher[LogLine] = session.publisher(topics.LOG)
+        self._publisher = session.publisher(topics.LOG)
         self._process = process
 
     def emit(self, record: logging.LogRecord) -> None:

@@ -31,7 +31,9 @@ def points(positions_mm: Mapping[str, Sequence[float]], weights: Mapping[str, fl
 def circle(
     node: str, *, radius_mm: float, period_s: float, height_mm: float, centre_mm: tuple[float, float]
 ) -> Target:
-    """One nodal point on a level circle, again and again, from +X towards +Y; raises InvalidMessageError."""
+    """One nodal point on a level circle, again and again, from +X towards +Y; raises CommandError, InvalidMessageError."""
+    if not period_s > 0:
+        raise CommandError(f"a circle's period is {period_s:g} s; it must be above 0")
     time_s = np.linspace(0, period_s, CIRCLE_POINTS + 1)
     return Target(
         name="circle",

@@ -16,13 +16,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask sensing; 0 when it accepts, 3 when it refuses."""
+    import numpy as np  # noqa: PLC0415
+
     from messaging.shape import NodalPoints  # noqa: PLC0415
     from messaging.topics import SENSING_NODES  # noqa: PLC0415
     from nodal.asking import ask  # noqa: PLC0415
 
-    names, arc_mm = zip(*arguments.nodes, strict=True)
+    names, distances = zip(*arguments.nodes, strict=True)
     return ask(
-        arguments.config, SENSING_NODES, NodalPoints(names=names, arc_mm=list(arc_mm)), arguments.timeout
+        arguments.config,
+        SENSING_NODES,
+        NodalPoints(names=names, arc_mm=np.array(distances)),
+        arguments.timeout,
     )
 
 

@@ -31,14 +31,14 @@ class TrueShapes:
         """(N,) whether there are truths close enough on both sides of these Unix times (N,) in ns."""
         after, before = self._around(time_ns)
         inside = (time_ns >= self._time_ns[0]) & (time_ns <= self._time_ns[-1])
-        return inside & (self._time_ns[after] - self._time_ns[before] <= LARGEST_GAP_NS)
+        return np.asarray(inside & (self._time_ns[after] - self._time_ns[before] <= LARGEST_GAP_NS))
 
     def centrelines_mm(self, time_ns: Times) -> Array:
         """(N, P, 3) in the robot frame at these Unix times (N,) in ns."""
         after, before = self._around(time_ns)
         span = self._time_ns[after] - self._time_ns[before]
         share = np.clip((time_ns - self._time_ns[before]) / span, 0, 1)[:, None, None]
-        return (1 - share) * self._points_mm[before] + share * self._points_mm[after]
+        return np.asarray((1 - share) * self._points_mm[before] + share * self._points_mm[after])
 
     def points_mm(self, time_ns: Times, arc_mm: Array) -> Array:
         """(N, M, 3): the points at arc lengths (M,) from the base."""
@@ -46,8 +46,7 @@ class TrueShapes:
         after = np.clip(np.searchsorted(self._arc_mm, arc_mm), 1, len(self._arc_mm) - 1)
         start, end = self._arc_mm[after - 1], self._arc_mm[after]
         share = ((arc_mm - start) / (end - start))[:, None]
-        points: Array = (1 - share) * lines[:, after - 1] + share * lines[:, after]
-        return points
+        return np.asarray((1 - share) * lines[:, after - 1] + share * lines[:, after])
 
     def _around(self, time_ns: Times) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         after = np.clip(np.searchsorted(self._time_ns, time_ns), 1, len(self._time_ns) - 1)

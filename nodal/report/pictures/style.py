@@ -17,7 +17,7 @@ INK, FAINT, MEASURED, DESIRED, NODE, WITHOUT_FEEDBACK = (
 )
 RESOLUTION_DPI = 110
 
-RULES = {
+RULES: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 10,
     "axes.titleweight": "bold",

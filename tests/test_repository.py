@@ -1,0 +1,50 @@
+"""What holds for the repository as a whole."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+LOCKS = ("requirements.lock", "requirements-dev.lock")
+SOURCES = [
+    file
+    for room in ("messaging", "drivers", "sensing", "controller", "recordings", "nodal")
+    for file in sorted((REPOSITORY / room).rglob("*.py"))
+    if "generated" not in file.parts
+]
+
+
+@pytest.mark.parametrize("lock", LOCKS)
+def test_a_lock_file_pins_with_hashes_and_names_no_registry(lock):
+    text = (REPOSITORY / lock).read_text(encoding="utf-8")
+    pins = [line for line in text.splitlines() if line and not line[0].isspace() and line[0] != "#"]
+
+    assert not re.search(r"https?://|--index-url|--extra-index-url|--find-links", text)
+    assert pins
+    assert all(re.match(r"[a-zA-Z0-9_.-]+(\[.*\])?==\S+", pin) for pin in pins)
+    assert text.count("--hash=sha256:") >= len(pins)
+
+
+def test_the_development_lock_holds_every_pin_of_the_other():
+    base, development = (
+        set(re.findall(r"^(\S+==\S+)", (REPOSITORY / lock).read_text(encoding="utf-8"), re.MULTILINE))
+        for lock in LOCKS
+    )
+
+    assert base <= development
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(REPOSITORY)))
+def test_a_source_file_can_be_read_in_one_sitting(file):
+    assert len(file.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+def test_every_room_is_in_the_wheel():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
+
+    packages = project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+
+    assert sorted(packages) == sorted({file.relative_to(REPOSITORY).parts[0] for file in SOURCES})
+    assert "Private :: Do Not Upload" in project["project"]["classifiers"]
