@@ -49,7 +49,6 @@ class Publisher(Generic[M]):
             topic.key,
             congestion_control=zenoh.CongestionControl.DROP,
             reliability=zenoh.Reliability.BEST_EFFORT if newest else zenoh.Reliability.RELIABLE,
-            express=True,
         )
         self._epoch = int.from_bytes(os.urandom(4), "little")
         self._next = 0
@@ -193,8 +192,12 @@ def _opened(config: Mapping[str, object], endpoint: str, bench: str) -> Iterator
     common = {
         "namespace": f"nodal/{bench}",
         "scouting": {"delay": 100, "multicast": {"enabled": False}, "gossip": {"enabled": True}},
-        # implicit shared memory stalls its first put by 100 ms and leaves segments behind after kill -9
-        "transport": {"shared_memory": {"enabled": False}},
+        "transport": {
+            # a pair of frames is 10 batches: with the 2 of the default, what is said right behind them is dropped
+            "link": {"tx": {"queue": {"size": {"data": 16}}}},
+            # implicit shared memory stalls its first put by 100 ms and leaves segments behind after kill -9
+            "shared_memory": {"enabled": False},
+        },
     }
     try:
         session = zenoh.open(zenoh.Config.from_json5(json.dumps({**config, **common})))

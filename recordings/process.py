@@ -56,7 +56,8 @@ def run(  # noqa: PLR0917  every process is handed its settings, its session, st
                 settle_at_ns = now_ns() + int(settings.flush_period_s * 1e9)
             healthy()
             if not heard:
-                stop.wait(IDLE_S)
+                # not stop.wait: a signal handler that sets an Event its own thread waits on can lock up
+                time.sleep(IDLE_S)
         for _ in range(settings.ring_depth // SWEEP):
             _sweep(rings, recorder, now_ns)
         recorder.end(now_ns())
