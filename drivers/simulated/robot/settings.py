@@ -49,7 +49,7 @@ class SimulatedRobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
         SectionSettings(tendon_angles_deg=(45.0, 225.0, 135.0, 315.0), precurvature_per_mm=(-0.003, -0.004)),
     )
 
-    friction_coefficient: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.15
+    friction_coefficient: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.14
     """Capstan coefficient between a tendon and its disks: a fraction 1 - exp(-friction * bend) of the tension is lost."""
     guide_bend_deg: Annotated[float, msgspec.Meta(ge=0, le=720)] = 90.0
     """Angle by which every tendon is turned on its way from its servo to the base, with the same friction."""
@@ -59,7 +59,7 @@ class SimulatedRobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
     """Play between a servo and its pair: the displacement lost at each reversal."""
     tendon_compliance_mm_per_N: NotNegative = 0.3
     """Stretch of one tendon from servo to tip; 0 means practically rigid."""
-    pretension_N: NotNegative = 4.0
+    pretension_N: NotNegative = 2.5
     """Tension of every tendon while the robot is straight."""
     coupling: Fraction = 1.0
     """Fraction of the pitch radius at which distal tendons cross the sections before their own; 0 leads them along the backbone."""
