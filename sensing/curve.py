@@ -14,7 +14,7 @@ from messaging.checked import FloatArray
 
 DEGREE = 3
 CONTROL_POINTS = 14
-SAMPLES = 121
+SAMPLES = 81
 """Points along the curve at which it is measured and reported."""
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.backdrop import Image
 
-HALF_SAMPLES = 48
+HALF_SAMPLES = 36
 MARGIN_PX = 14.0
 """How far beyond the predicted edges normals reach."""
 LEAST_CONTRAST = 3.0
