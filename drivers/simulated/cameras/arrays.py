@@ -12,3 +12,6 @@ Labels = NDArray[np.int16]
 """(rows, columns): which part of a body a pixel may show; 0 for none."""
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3) blue, green, red."""
+Mask = NDArray[np.bool_]
+Plane = NDArray[np.uint8]
+"""(rows, columns) of one colour."""

@@ -1,14 +1,16 @@
 """The part of a picture that is drawn anew: its pixels, and how far away what they show is."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels
+from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels, Plane
 
-_STEP_VARIANCE = np.float32(20 / 12)  # of a box over that of the slope of a smooth step
+_STEP_VARIANCE = 20 / 12  # of a box over that of the slope of a smooth step
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,10 @@ class Fragments:
 class Canvas:
     """A window of a picture, on which bodies are painted."""
 
-    def __init__(self, picture: Pixels, window: Window) -> None:
-        """`picture` is the whole picture without the robot; it is left as it is."""
+    def __init__(self, planes: Sequence[Plane], window: Window) -> None:
+        """`planes` are the blue, green and red of the whole picture without the robot; they are left as they are."""
         self.window = window
-        self._planes = cv2.split(picture[window.slices])
+        self._planes = [plane[window.slices].copy() for plane in planes]
         self._depth_mm = np.full(window.shape[0] * window.shape[1], np.inf, np.float32)
 
     @property
@@ -71,11 +73,11 @@ class Canvas:
 
     def paint(self, body: Fragments) -> None:
         """Put a body over what is there, except where something nearer hides it."""
-        behind_mm = self._depth_mm.take(body.index)
+        behind_mm = self._depth_mm.take(body.index, mode="clip")
         cover = body.cover * (body.depth_mm <= behind_mm)
         for plane, colour in zip(self._planes, body.colour, strict=True):
             flat = plane.reshape(-1)
-            under = flat.take(body.index).astype(np.float32)
+            under = flat.take(body.index, mode="clip").astype(np.float32)
             flat[body.index] = (under + cover * (colour - under) + np.float32(0.5)).astype(np.uint8)
         self._depth_mm[body.index] = np.where(cover > 0.5, body.depth_mm, behind_mm)
 
@@ -86,9 +88,14 @@ def covered(inside_px: Flat, motion_px: Flat, lens_blur_px: float) -> Flat:
     A smooth step of the width whose variance is that of a pixel, the lens and the motion together; at the edge it is 1/2.
     """
     variance_px2 = motion_px * motion_px + np.float32(1 + lens_blur_px**2)
-    step = np.clip(inside_px / np.sqrt(variance_px2 * _STEP_VARIANCE) + np.float32(0.5), 0, 1)
+    step = np.clip(inside_px / np.sqrt(variance_px2 * np.float32(_STEP_VARIANCE)) + np.float32(0.5), 0, 1)
     smooth: Flat = step * step * (3 - 2 * step)
     return smooth
+
+
+def edge_reach_px(motion_px: float, lens_blur_px: float) -> float:
+    """How far outside an edge pixels are still covered in part, and one pixel more."""
+    return 1 + math.sqrt((1 + lens_blur_px**2 + motion_px**2) * _STEP_VARIANCE) / 2
 
 
 def label_map(window: Window) -> Labels:

@@ -6,13 +6,20 @@ import cv2
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Flat, Index, Labels
-from drivers.simulated.cameras.canvas import Fragments, Window, covered, draw_outline, label_map, labelled
+from drivers.simulated.cameras.canvas import (
+    Fragments,
+    Window,
+    covered,
+    draw_outline,
+    edge_reach_px,
+    label_map,
+    labelled,
+)
 from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import dot, gather
 from drivers.simulated.cameras.projection import Projection
 
 _CIRCLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-_EDGE_MARGIN_PX = 3.0
 _STEEPEST = np.float32(1e-4)
 _TINY = np.float32(1e-9)
 
@@ -84,9 +91,11 @@ class Disks:
     def _draw_labels(self, projection: Projection, window: Window, lens_blur_px: float) -> Labels:
         labels = label_map(window)
         outlines = projection.to_pixels(self._rims_mm()) - window.corner
+        scale = projection.focal_px / self.centre_mm[:, 2]
+        motion_px = float((np.linalg.norm(self.motion_mm, axis=1) * scale).max(initial=0))
         outwards = outlines - outlines.mean(axis=1, keepdims=True)
         outwards /= np.maximum(np.linalg.norm(outwards, axis=2, keepdims=True), 1e-9)
-        outlines += outwards * (_EDGE_MARGIN_PX + lens_blur_px)
+        outlines += outwards * edge_reach_px(motion_px, lens_blur_px)
         for disk in np.argsort(-self.centre_mm[:, 2]):
             hull = cv2.convexHull(outlines[disk].astype(np.float32))[:, 0]
             draw_outline(labels, np.rint(hull).astype(np.int32), int(disk) + 1)

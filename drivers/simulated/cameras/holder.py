@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
-from drivers.simulated.cameras.arrays import Array, Pixels
+from drivers.simulated.cameras.arrays import Array, Pixels, Plane
 from drivers.simulated.cameras.light import Light, bgr
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.settings import BodySettings
@@ -33,21 +33,22 @@ class Holder:
         self._colour = bgr(body.holder_colour)
         self._backdrop = backdrop
         self._picture = backdrop.copy()
+        self._planes = [np.ascontiguousarray(plane) for plane in np.moveaxis(backdrop, 2, 0)]
         self._drawn_for_mm = np.full(3, np.inf)
         self._camera_mm = -projection.rotation.T @ projection.to_camera(np.zeros(3))
         self.corners_px = np.zeros((2, 2))
         """The first and the last column and row of what is seen of it."""
 
-    def picture(self, base_mm: Array) -> Pixels:
-        """The backdrop with the holder below a base at (3,) in the robot frame."""
+    def planes(self, base_mm: Array) -> list[Plane]:
+        """Blue, green and red of the backdrop with the holder below a base at (3,) in the robot frame."""
         if np.abs(base_mm - self._drawn_for_mm).max() > _REDRAWN_FROM_MM:
             self._redraw(base_mm)
             self._drawn_for_mm = base_mm
-        return self._picture
+        return self._planes
 
     def _redraw(self, base_mm: Array) -> None:
-        (left, top), (right, bottom) = self.corners_px.astype(int)
-        self._picture[top:bottom, left:right] = self._backdrop[top:bottom, left:right]
+        before = self._box()
+        self._picture[before] = self._backdrop[before]
         faces = list(self._faces(base_mm))
         corners = np.concatenate([corners_mm for corners_mm, _ in faces])
         pixels = self._projection.to_pixels(self._projection.to_camera(corners))
@@ -60,6 +61,13 @@ class Holder:
             cv2.fillConvexPoly(self._picture, outline, colour, cv2.LINE_AA, _SHIFT)
         limit = [self._projection.width_px, self._projection.height_px]
         self.corners_px = np.clip([pixels.min(axis=0) - 2, pixels.max(axis=0) + 2], 0, limit)
+        for changed in (before, self._box()):
+            for channel, plane in enumerate(self._planes):
+                plane[changed] = self._picture[(*changed, channel)]
+
+    def _box(self) -> tuple[slice, slice]:
+        (left, top), (right, bottom) = self.corners_px.astype(int)
+        return slice(top, bottom), slice(left, right)
 
     def _faces(self, base_mm: Array) -> Iterator[Face]:
         """What faces the camera, the lower things first."""

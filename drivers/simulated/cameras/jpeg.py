@@ -82,6 +82,14 @@ class Stretches:
         marks = marks[(code[marks + 1] & 0xF8) == _FIRST_RESTART]
         return cls(code.tobytes(), [scan, *(marks + 2).tolist(), len(code)])
 
+    def renumbered(self, numbers: NDArray[np.intp]) -> bytes:
+        """The bytes with a restart marker after every stretch, the last one too, that says its number (n,)."""
+        code = np.frombuffer(self.code, np.uint8).copy()
+        marks = np.array(self.start[1:])
+        code[marks - 2] = 0xFF
+        code[marks - 1] = _FIRST_RESTART + numbers % 8
+        return code.tobytes()
+
 
 def splice(picture: Stretches, patch: Stretches, window: Window, raster: Raster) -> bytes:
     """The JPEG `picture` with `patch` in its `window`."""
@@ -90,18 +98,19 @@ def splice(picture: Stretches, patch: Stretches, window: Window, raster: Raster)
         -(-window.right // raster.column_width_px),
     )
     first_row, end_row = window.top // _BLOCK_HEIGHT, -(-window.bottom // _BLOCK_HEIGHT)
-    last = raster.rows * raster.columns - 1
+    rows, columns = np.arange(first_row, end_row), np.arange(first_column, end_column)
+    first = rows * raster.columns + first_column
+    code = patch.renumbered((rows[:, None] * raster.columns + columns).ravel())
+    ends = (first + len(columns)).tolist()
     pieces = []
-    kept, patched = 0, 0
-    for row in range(first_row, end_row):
-        number = row * raster.columns + first_column
-        pieces.append(picture.code[kept : picture.start[number]])
-        for _ in range(first_column, end_column):
-            pieces.append(patch.code[patch.start[patched] : patch.start[patched + 1] - 2])
-            pieces.append(bytes((0xFF, _FIRST_RESTART + number % 8)) if number < last else _END_OF_PICTURE)
-            number += 1
-            patched += 1
-        kept = picture.start[number]
+    kept = patched = 0
+    for begin, end in zip(first.tolist(), ends, strict=True):
+        pieces.append(picture.code[kept : picture.start[begin]])
+        pieces.append(code[patch.start[patched] : patch.start[patched + len(columns)]])
+        patched += len(columns)
+        kept = picture.start[end]
+    if ends[-1] == raster.rows * raster.columns:
+        pieces[-1] = pieces[-1][:-2] + _END_OF_PICTURE
     pieces.append(picture.code[kept:])
     return b"".join(pieces)
 

@@ -6,23 +6,25 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from drivers.simulated.cameras.arrays import Array, Index, Labels
+from drivers.simulated.cameras.arrays import Array, Index, Labels, Mask
 from drivers.simulated.cameras.canvas import Window, draw_outline, label_map
 
 
 @dataclass(frozen=True)
 class Strips:
-    """k points along the middle of the tube, in the window's pixels; a strip leads from each to the next."""
+    """Pieces of a tube between k points along its middle."""
 
     middle_px: Array
-    """(k, 2)."""
+    """(k, 2) in the window's pixels."""
     reach_px: Array
     """(k,) half the width that is drawn."""
     depth_mm: Array
     """(k,)."""
+    end_on: Mask
+    """(k,) where the tube points along the view, more or less."""
 
     def layers(self, window: Window) -> Iterator[Labels]:
-        """Maps of 1 + the number of the strip: of what the tube may hide of itself, if anything, then of what is in front."""
+        """Maps of 1 + the number of the piece: of what the tube may hide of itself, if anything, then of what is in front."""
         far_first = np.argsort(-self.depth_mm)
         front = self._draw(window, far_first)
         along_px = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.middle_px, axis=0), axis=1))])
@@ -34,7 +36,7 @@ class Strips:
         yield front
 
     def _draw(self, window: Window, order: Index) -> Labels:
-        """Strips later in `order` hide earlier ones.
+        """Pieces later in `order` hide earlier ones.
 
         Discs lie below all strips: they matter only where a piece is seen end on, and at the tip.
         """
@@ -45,14 +47,15 @@ class Strips:
         left, right = self.middle_px + across, self.middle_px - across
         outlines = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=1)
         rounded = np.rint(outlines).astype(np.int32)
-        centres = np.rint(self.middle_px).astype(int).tolist()
-        for piece in (*order[::2].tolist(), len(centres) - 1):
-            cv2.circle(labels, centres[piece], int(self.reach_px[piece]) + 1, piece + 1, cv2.FILLED)
-        for piece in order[order < len(rounded)].tolist():
+        last = len(rounded)
+        for piece in order[self.end_on[order] | (order == last)].tolist():
+            column, row = np.rint(self.middle_px[piece]).astype(int).tolist()
+            cv2.circle(labels, (column, row), int(self.reach_px[piece]) + 1, piece + 1, cv2.FILLED)
+        for piece in order[order < last].tolist():
             draw_outline(labels, rounded[piece], piece + 1)
         return labels
 
     def _meets_itself(self, along_px: Array, apart_px: float) -> bool:
-        distance_px = np.linalg.norm(self.middle_px[:, None] - self.middle_px[None], axis=2)
-        beyond = np.abs(along_px[:, None] - along_px[None]) > apart_px
-        return bool((distance_px[beyond] < 2 * float(self.reach_px.max())).any())
+        place = self.middle_px @ [1, 1j]
+        near = np.abs(place[:, None] - place[None]) < 2 * float(self.reach_px.max())
+        return bool((near & (np.abs(along_px[:, None] - along_px[None]) > apart_px)).any())

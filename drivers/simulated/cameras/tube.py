@@ -8,16 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.cameras.arrays import Array, Flat, Labels
-from drivers.simulated.cameras.canvas import Fragments, Window, covered, labelled
+from drivers.simulated.cameras.arrays import Array, Flat, Labels, Mask
+from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px, labelled
 from drivers.simulated.cameras.curve import Curve
 from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import Passage, dot, gather, pass_by
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.strips import Strips
 
-_SAMPLES_PER_STRIP = 4
-_EDGE_MARGIN_PX = 2.0
+_SAMPLES_PER_PIECE = 4
+_END_ON = 0.4  # sine of the angle to the view, below which a piece counts as seen end on
+_ROUNDS_END_ON = 3
 
 
 @dataclass(frozen=True)
@@ -32,23 +33,27 @@ class Tube:
         self, projection: Projection, window: Window, light: Light, lens_blur_px: float
     ) -> list[Fragments]:
         """What the window shows of the tube: what it may hide of itself, if anything, then what is in front."""
-        scale = projection.focal_px / self.curve.points_mm[:, 2]
-        motion_px = float((np.linalg.norm(self.curve.motion_mm, axis=1) * scale).max())
-        reach_px = self.radius_mm * scale + _EDGE_MARGIN_PX + (lens_blur_px + motion_px) / 2
-        points_mm = self.curve.points_mm[::_SAMPLES_PER_STRIP]
+        curve = self.curve
+        scale = projection.focal_px / curve.points_mm[:, 2]
+        motion_px = float((np.linalg.norm(curve.motion_mm, axis=1) * scale).max())
+        reach_px = self.radius_mm * scale + edge_reach_px(motion_px, lens_blur_px)
+        pieces = curve.points_mm[::_SAMPLES_PER_PIECE]
+        obliquity = np.linalg.norm(np.cross(curve.tangents, curve.points_mm), axis=1)
+        end_on = (obliquity < _END_ON * curve.points_mm[:, 2])[::_SAMPLES_PER_PIECE]
         strips = Strips(
-            middle_px=projection.to_pixels(points_mm) - window.corner,
-            reach_px=reach_px[::_SAMPLES_PER_STRIP],
-            depth_mm=points_mm[:, 2],
+            middle_px=projection.to_pixels(pieces) - window.corner,
+            reach_px=reach_px[::_SAMPLES_PER_PIECE],
+            depth_mm=pieces[:, 2],
+            end_on=end_on,
         )
-        look = _Look(self, projection, light)
+        look = _Look(self, projection, light, end_on)
         return [look.fragments(labels, window, lens_blur_px) for labels in strips.layers(window)]
 
 
 class _Look:
     """What each sample of the tube looks like from the camera."""
 
-    def __init__(self, tube: Tube, projection: Projection, light: Light) -> None:
+    def __init__(self, tube: Tube, projection: Projection, light: Light, end_on: Mask) -> None:
         curve = tube.curve
         view = curve.points_mm / np.linalg.norm(curve.points_mm, axis=1, keepdims=True)
         aside = np.cross(curve.tangents, view)
@@ -60,6 +65,8 @@ class _Look:
         self._projection = projection
         self._light = light
         self._surface = np.column_stack([tube.radius_mm, aside @ light.direction, facing @ light.direction])
+        self._start = _along_pieces(curve, end_on)
+        self._rounds = _ROUNDS_END_ON if end_on.any() else 1
         self._rise = np.column_stack([aside @ up, facing @ up, (curve.points_mm - base_mm) @ up])
 
     def fragments(self, labels: Labels, window: Window, lens_blur_px: float) -> Fragments:
@@ -67,9 +74,9 @@ class _Look:
         curve = self._tube.curve
         index = labelled(labels)
         x, y = self._projection.rays(window.in_picture(index, self._projection.width_px))
-        start_mm = (labels.reshape(-1).take(index) - 1) * np.float32(_SAMPLES_PER_STRIP * curve.spacing_mm)
+        start_mm, slope_x, slope_y = gather(self._start, labels.reshape(-1).take(index).astype(np.intp) - 1)
         end_mm = curve.length_mm - float(self._tube.radius_mm[-1]) - float(curve.arc_mm[0])
-        passage = pass_by(curve, end_mm, x, y, start_mm)
+        passage = pass_by(curve, end_mm, x, y, start_mm + slope_x * x + slope_y * y, self._rounds)
 
         radius, lamp_aside, lamp_facing = gather(self._surface, passage.sample)
         share = passage.distance_mm / radius
@@ -104,3 +111,18 @@ class _Look:
         rise = rise_aside * sideways[low] + rise_facing * outwards[low]
         height_mm = axis_height + np.float32(self._tube.radius_mm[0]) * rise
         cover[low] *= np.clip(0.5 + height_mm * px_per_mm[low], 0, 1)
+
+
+def _along_pieces(curve: Curve, end_on: Mask) -> Array:
+    """(k, 3) coefficients a, b, c: a ray (x, y, 1) before a piece passes about a + b x + c y mm from the first sample.
+
+    Linear along each piece's picture; of pieces seen end on, the beginning.
+    """
+    view = curve.points_mm[::_SAMPLES_PER_PIECE]
+    view = view[:, :2] / view[:, 2:]
+    step = np.diff(view, axis=0)
+    step = np.concatenate([step, step[-1:]])
+    spacing_mm = _SAMPLES_PER_PIECE * curve.spacing_mm
+    slope = spacing_mm * step / np.maximum((step**2).sum(axis=1, keepdims=True), 1e-12)
+    slope[end_on] = 0
+    return np.column_stack([spacing_mm * np.arange(len(view)) - (slope * view).sum(axis=1), slope])
