@@ -18,8 +18,6 @@ from drivers.dynamixel.protocol import (
     StatusPacket,
 )
 
-QUIET_S = 0.002
-"""A line that was silent for this long carries no more of a late answer."""
 REBOOT_DEADLINE_S = 2.0
 REBOOT_POLL_S = 0.02
 
@@ -37,7 +35,7 @@ class DynamixelBus:
 
     Every method raises PortLostError when the port is not open or goes away; those that wait for answers raise
     NoAnswerError or CorruptAnswerError after `retries` repetitions, and StatusError when a servo refuses. The longest
-    they take is (1 + retries) * (2 * answer timeout + time on the wire).
+    they take is (2 + retries) answer timeouts and the time on the wire.
     `alerts` holds the servos whose newest answer had the alert bit: their hardware reports an error.
     """
 
@@ -49,7 +47,8 @@ class DynamixelBus:
         self._port = SerialPort(port, baud_rate)
         self._answer_timeout_s = answer_timeout_s
         self._attempts = 1 + retries
-        self._owed_an_answer = False
+        self._late_question: object = None
+        self._late_until_s = 0.0
 
     @property
     def port(self) -> str:
@@ -107,7 +106,7 @@ class DynamixelBus:
     def sync_write(self, register: Register, values: Mapping[int, int]) -> None:
         """Write one register of several servos, in one packet that nobody answers."""
         data = {servo: register.to_bytes(value) for servo, value in values.items()}
-        self._send(protocol.sync_write(register.address, data).to_bytes())
+        self._port.send(protocol.sync_write(register.address, data).to_bytes())
 
     def sync_read(self, servos: Sequence[int], register: Register) -> dict[int, int]:
         """One register of several servos."""
@@ -123,10 +122,12 @@ class DynamixelBus:
         """
         answers: dict[int, StatusPacket] = {}
         rubbish, waited_s = b"", 0.0
+        self._await_late_answers(question := (address, size))
         for attempt in range(self._attempts):
             missing = [servo for servo in servos if servo not in answers]
             build = protocol.sync_read if attempt else protocol.fast_sync_read
-            heard, rubbish, took_s = self._attempt(build(missing, address, size), missing, size)
+            instruction = build(missing, address, size)
+            heard, rubbish, took_s = self._attempt(instruction, missing, size, question)
             waited_s += took_s
             for answer in heard.values():
                 self._check(answer, f"read {size} bytes at {address}")
@@ -159,8 +160,9 @@ class DynamixelBus:
         servo = instruction.id
         rubbish, waited_s = b"", 0.0
         answer: StatusPacket | None = None
+        self._await_late_answers(instruction)
         for _ in range(self._attempts):
-            heard, rubbish, took_s = self._attempt(instruction, [servo], size)
+            heard, rubbish, took_s = self._attempt(instruction, [servo], size, instruction)
             waited_s += took_s
             answer = heard.get(servo)
             if answer is not None and answer.error != protocol.GARBLED_INSTRUCTION:
@@ -170,15 +172,16 @@ class DynamixelBus:
         return self._check(answer, doing)
 
     def _attempt(
-        self, instruction: Instruction, servos: Sequence[int], size: int
+        self, instruction: Instruction, servos: Sequence[int], size: int, question: object
     ) -> tuple[dict[int, StatusPacket], bytes, float]:
         """Send once; who of `servos` answered with `size` parameters, what else was received, and the time it took."""
         packet = instruction.to_bytes()
         start_s = time.monotonic()
-        self._send(packet)
-        self._owed_an_answer = True
         expected_bytes = len(packet) + len(servos) * (protocol.EMPTY_STATUS_SIZE + size)
-        deadline_s = time.monotonic() + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
+        deadline_s = start_s + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
+        late_until_s, self._late_until_s = self._late_until_s, deadline_s + self._answer_timeout_s
+        self._late_question = question
+        self._port.send(packet)
         parser = PacketParser()
         answers: dict[int, StatusPacket] = {}
         received, rubbish = b"", b""
@@ -198,17 +201,17 @@ class DynamixelBus:
             if not data:
                 answers |= _parts_of_one(protocol.salvage_fast_status(received, size), servos, size)
                 break
-        self._owed_an_answer = len(answers) < len(servos)
+        if len(answers) == len(servos):
+            self._late_until_s = late_until_s
         return answers, rubbish, time.monotonic() - start_s
 
-    def _send(self, packet: bytes) -> None:
-        """Send, but let a late answer pass first: it must not be taken for the answer to this."""
-        if self._owed_an_answer:
-            deadline_s = time.monotonic() + self._answer_timeout_s
-            while self._port.receive(time.monotonic() + QUIET_S) and time.monotonic() < deadline_s:
-                pass
-            self._owed_an_answer = False
-        self._port.send(packet)
+    def _await_late_answers(self, question: object) -> None:
+        """Answers do not say what they answer, so one to another question must not come as late as after this one.
+
+        A late answer to the same question is welcome: it says the same. What has come by then is dropped when sending.
+        """
+        if question != self._late_question:
+            time.sleep(max(0.0, self._late_until_s - time.monotonic()))
 
     def _check(self, answer: StatusPacket, doing: str) -> StatusPacket:
         (self.alerts.add if answer.alert else self.alerts.discard)(answer.id)

@@ -44,6 +44,11 @@ def test_all_servos_are_written_and_read_at_once(bus):
     assert bus.sync_read(IDS, table.GOAL_POSITION) == goals
 
 
+def test_all_servos_are_read_in_one_exchange(bench, settings):
+    with DynamixelBus(settings.port, answer_timeout_s=1.0, retries=0) as bus:
+        assert positions(bus) == dict.fromkeys(IDS, 2048)
+
+
 def test_a_value_that_looks_like_a_header_comes_through(bus):
     bus.write_bytes(11, 224, b"\xff\xff\xfd\x00\xff\xff\xfd")
     assert bus.read_bytes(11, 224, 7) == b"\xff\xff\xfd\x00\xff\xff\xfd"
@@ -80,7 +85,7 @@ def test_nobody_at_the_other_end_is_an_error_in_bounded_time_without_spinning():
     tty.setraw(theirs)
     with DynamixelBus(os.ttyname(theirs), answer_timeout_s=0.05, retries=2) as bus:
         wall_s, cpu_s = time.monotonic(), time.process_time()
-        with pytest.raises(NoAnswerError, match=r"servo 1 within 1\d\d ms") as caught:
+        with pytest.raises(NoAnswerError, match=r"servo 1 within \d+ ms") as caught:
             bus.read(1, table.PRESENT_POSITION)
         wall_s, cpu_s = time.monotonic() - wall_s, time.process_time() - cpu_s
     os.close(ours)
@@ -128,8 +133,8 @@ def test_answers_that_are_always_spoilt_are_reported_as_corrupt(bench, bus, faul
 
 
 def test_a_late_answer_is_not_taken_for_the_next_one(bench, settings):
-    bench.set_faults(Faults(delay=frozenset({1}), delay_s=0.06))
-    with DynamixelBus(settings.port, answer_timeout_s=0.05, retries=0) as bus:
+    bench.set_faults(Faults(delay=frozenset({1}), delay_s=0.25))
+    with DynamixelBus(settings.port, answer_timeout_s=0.2, retries=0) as bus:
         with pytest.raises(NoAnswerError):
             bus.read(11, table.PRESENT_TEMPERATURE)
         assert bus.read(11, table.OPERATING_MODE) == 5

@@ -128,6 +128,17 @@ def test_a_goal_that_does_not_arrive_keeps_torque_off(bench, actuators):
     bench.set_faults(Faults())
 
 
+def test_servos_that_do_not_confirm_their_torque_are_let_go(bench, actuators):
+    asked_before = 4 * 5  # hardware error, feedback, watchdog and goal of five servos
+    bench.set_faults(Faults(drop=frozenset(range(asked_before + 1, 1000))))
+    with pytest.raises(NoAnswerError) as caught:
+        actuators.enable()
+    assert "while letting the servos go" in caught.value.__notes__[0]
+    bench.set_faults(Faults())
+    assert actuators.read().torque is False
+    assert bench.torque_enabled == (False,) * 5
+
+
 def test_silence_stops_the_servos_and_is_told(bench, actuators):
     actuators.enable()
     hold(actuators, bench, [1.0, 1.0, 1.0, 1.0], 1.0)

@@ -161,6 +161,18 @@ def test_goals_within_one_turn_are_limited_in_position_mode(bus):
     assert write(bus, 1, 116, goal(4095)) == OK
 
 
+def test_a_header_inside_an_answer_is_stuffed(bus):
+    write(bus, 1, 224, b"\xff\xff\xfd\x00")
+    answer = ask(bus, instruction(1, 0x02, bytes((224, 0, 4, 0))))
+    assert answer[5:-2] == bytes.fromhex("09 00 55 00 FF FF FD FD 00")
+
+
+@pytest.mark.parametrize("size", [662, 663, 40_000, 65_535])
+def test_a_fast_read_of_more_than_a_packet_holds_is_left_unanswered(bus, size):
+    wire = instruction(254, 0x8A, b"\0\0" + size.to_bytes(2, "little") + bytes((1, 2, 3)))
+    assert bool(ask(bus, wire)) == (3 * size < 65_000)
+
+
 def test_reads_outside_the_table_are_refused(bus):
     assert read(bus, 1, 0, 662)[0] == OK
     assert read(bus, 1, 1, 662)[0] == ACCESS
@@ -263,9 +275,9 @@ def test_clear_forgets_turns_only_at_rest(bus):
 class TestWatchdog:
     """Units of 20 ms, armed with torque on, fed by any instruction, cleared by 0 alone."""
 
-    @pytest.fixture(autouse=True)
-    def moving(self, bus):
-        write(bus, 1, 112, goal(20))
+    @pytest.fixture(autouse=True, params=[20, 0], ids=["with profile", "without profile"])
+    def moving(self, bus, request):
+        write(bus, 1, 112, goal(request.param))
         write(bus, 1, 64, [1])
         write(bus, 1, 98, [5])
         write(bus, 1, 116, goal(20_000))
