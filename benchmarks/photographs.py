@@ -1,4 +1,4 @@
-"""Sensing on photographs with exact truth: `python benchmarks/photographs.py FOLDER [--no-background] [--length MM]`.
+"""Sensing on photographs with exact truth: `python benchmarks/photographs.py [FOLDER] [--no-background] [--length MM]`.
 
 FOLDER holds calibration.json, pairs/, truth/, sequence/ and background/, laid out as README.md beside them says. Every
 pair is estimated from nothing (no prior). Prints a line for each and the figures over all.
@@ -20,12 +20,15 @@ from sensing.pipeline import Scene, estimate
 def main() -> None:
     """Estimate every pair in the folder."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
+    parser.add_argument("folder", nargs="?", type=Path, help="without one there is nothing to measure")
     parser.add_argument(
         "--no-background", action="store_true", help="fit the backdrop to each picture instead"
     )
     parser.add_argument("--length", type=float, help="tell sensing the robot's length in mm")
     arguments = parser.parse_args()
+    if arguments.folder is None:
+        print("no folder of photographs was given: python benchmarks/photographs.py FOLDER")
+        return
     cv2.setNumThreads(1)
     rig = _rig(arguments.folder / "calibration.json")
     node_errors, tip_errors, ratios, stages = [], [], [], []
