@@ -32,9 +32,19 @@ class Tracking:
 
     def second_half(self) -> "Tracking":
         """What is left when the first half of the time is taken as settling."""
-        late = self.time_ns >= (self.time_ns[0] + self.time_ns[-1]) / 2 if len(self.time_ns) else slice(0)
+        return (
+            self._only(self.time_ns >= (self.time_ns.min() + self.time_ns.max()) / 2)
+            if self.time_ns.size
+            else self
+        )
+
+    def first(self, seconds: float) -> "Tracking":
+        """The beginning."""
+        return self._only(self.time_ns <= self.time_ns.min() + seconds * 1e9) if self.time_ns.size else self
+
+    def _only(self, rows: NDArray[np.bool_]) -> "Tracking":
         return dataclasses.replace(
-            self, time_ns=self.time_ns[late], desired_mm=self.desired_mm[late], true_mm=self.true_mm[late]
+            self, time_ns=self.time_ns[rows], desired_mm=self.desired_mm[rows], true_mm=self.true_mm[rows]
         )
 
 

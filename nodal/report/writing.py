@@ -24,6 +24,7 @@ from sensing.pipeline import Scene, estimate
 
 logger = logging.getLogger(__name__)
 
+OPEN_LOOP_S = 20.0
 CANDIDATES_APART = 97
 """Frame sets between two that are tried for a picture of the stages, in the order of their bend."""
 
@@ -45,6 +46,8 @@ def _without_feedback(circle: Tracking, run: BenchRun, bench: Bench) -> Tracking
     """What the circle of this run would have been in open loop; None when there was no circle."""
     if len(circle.time_ns) < 2 or bench.settings.simulation is None:
         return None
+    # the circle repeats itself, so its first rounds tell all
+    circle = circle.first(OPEN_LOOP_S)
     reached_mm = open_loop_path(
         circle.desired_mm,
         (circle.time_ns - circle.time_ns[0]) / 1e9,
