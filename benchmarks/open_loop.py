@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 MOVES = 40
 MOVE_S = 1.5
 REST_S = 0.3
-STEP_S = 0.02
+STEP_S = 0.03
 LARGEST_BEND_RAD = np.radians(100)  # with stretch and friction the sections bend to about 80 degrees
 
 IMPERFECTIONS: dict[str, dict[str, Any]] = {

@@ -1,4 +1,4 @@
-"""Sensing on the simulated cameras: `python benchmarks/sensing.py [--poses 40]`.
+"""Sensing on the simulated cameras: `python benchmarks/shape_sensing.py [--poses 40]`.
 
 Accuracy over seeded poses against the renderer's truth, cold and warm, and the cost of a warm estimate as ratios to
 what OpenCV takes for single passes over the same frames, measured in the same run on one thread.
