@@ -10,7 +10,9 @@ from controller.resolved_rate import ResolvedRate
 from controller.settings import ControllerSettings
 
 LAWS: dict[str, Callable[[ControllerSettings, Kinematics], Law[Any]]] = {
-    "resolved_rate": lambda settings, kinematics: ResolvedRate(settings.resolved_rate, kinematics),
+    "resolved_rate": lambda settings, kinematics: ResolvedRate(
+        settings.resolved_rate, kinematics, settings.maximum_node_speed_mm_s
+    ),
 }
 
 

@@ -98,12 +98,16 @@ class Loop:
         self._limits = Limits(settings.limits, self._kinematics.pairs)
         self._law = make_law(settings, self._kinematics)
         self._pairs_only = np.append(np.ones(self._kinematics.pairs, dtype=bool), False)
+        self._untroubled = Trouble.none(self._kinematics.axes)
         self._all_axes = np.ones(self._kinematics.axes, dtype=bool)
 
     def start(self) -> LoopState:
         """In idle, knowing nothing."""
-        axes = self._kinematics.axes
-        return LoopState(supervision=Supervision(), command_mm=np.zeros(axes), trouble=Trouble.none(axes))
+        return LoopState(
+            supervision=Supervision(),
+            command_mm=np.zeros(self._kinematics.axes),
+            trouble=self._untroubled,
+        )
 
     def step(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, Outputs]:
         """The state after this cycle and what is to be done."""
@@ -149,7 +153,7 @@ class Loop:
         unseen_s = inputs.now_s - state.seen.arrived_s if state.seen is not None else np.inf
         blind = unseen_s > self._settings.sensing.timeout_s
         faults = motion_faults(state.supervision, unseen_s, state.distrusted, self._settings, inputs.now_s)
-        trouble = Trouble.none(self._kinematics.axes)
+        trouble = self._untroubled
         if state.mode.torque:
             trouble, drive = drive_faults(
                 inputs.drive,

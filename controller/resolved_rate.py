@@ -14,13 +14,14 @@ the straight posture. They are found anew for each shape, and at the latest afte
 """
 
 import dataclasses
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controller.history import History
 from controller.kinematics import Kinematics
-from controller.law import LawInputs, Measurement, Points
+from controller.law import Desired, LawInputs, Measurement, Points
 from controller.settings import ResolvedRateSettings
 
 Array = NDArray[np.float64]
@@ -48,8 +49,10 @@ class ResolvedRateState:
 
     points: Points
     correction: Correction
+    engaged: Array
+    """(A,) where each axis stands in its lost motion, -1 to 1."""
     reached_mm: Array
-    """(A,) the command as far as it has reached the robot."""
+    """(A,) the effective command as far as it has reached the robot."""
     history: History
     rate_mm_s: Array
     """(A,)."""
@@ -57,13 +60,17 @@ class ResolvedRateState:
 
 
 class ResolvedRate:
-    """The law; `limit` bounds are not its business."""
+    """The law; travels and rates of the axes are not its business."""
 
-    def __init__(self, settings: ResolvedRateSettings, kinematics: Kinematics) -> None:
-        """Costs: 1 for a displacement, `insertion_cost` for the stage."""
+    def __init__(
+        self, settings: ResolvedRateSettings, kinematics: Kinematics, maximum_node_speed_mm_s: float
+    ) -> None:
+        """The law never asks a nodal point to move faster than `maximum_node_speed_mm_s`, to catch up neither."""
+        self._maximum_speed_mm_s = maximum_node_speed_mm_s
         self._settings = settings
         self._kinematics = kinematics
         self._cost = np.append(np.ones(kinematics.pairs), settings.insertion_cost)
+        self._half_lost_mm = np.append(np.full(kinematics.pairs, settings.lost_motion_mm / 2), 0.0)
         self.lead_s = settings.response_s
 
     def start(
@@ -82,6 +89,7 @@ class ResolvedRate:
                 gain=np.zeros((*nodes.shape, axes)),
                 covariance=np.diag(uncertainty**2),
             ),
+            engaged=np.zeros(axes),
             reached_mm=command_mm,
             history=History.of(now_s, command_mm),
             rate_mm_s=np.zeros(axes),
@@ -90,27 +98,38 @@ class ResolvedRate:
 
     def step(self, state: ResolvedRateState, inputs: LawInputs) -> tuple[ResolvedRateState, Array]:
         """See `Law`."""
-        share = 1 - np.exp(-inputs.dt_s / self._settings.response_s)
-        reached = state.reached_mm + share * (inputs.command_mm - state.reached_mm)
+        effective = inputs.command_mm - self._half_lost_mm * state.engaged
+        share = 1 - math.exp(-inputs.dt_s / self._settings.response_s)
+        reached = state.reached_mm + share * (effective - state.reached_mm)
         history = state.history.then(inputs.now_s, reached)
         correction, rate, planned_s = state.correction, state.rate_mm_s, state.planned_s
-        if inputs.measured is not None:
-            correction = self._corrected(state, inputs.measured, history.at(inputs.measured.capture_s))
         if inputs.measured is not None or inputs.now_s - planned_s > _PLAN_S:
-            rate, planned_s = self._plan(state.points, correction, inputs), inputs.now_s
+            capture_s = inputs.now_s if inputs.measured is None else inputs.measured.capture_s
+            commands = np.stack([history.at(capture_s), effective])
+            nodes, jacobian = self._kinematics.nodes_and_jacobian(commands, state.points.arc_mm)
+            if inputs.measured is not None:
+                correction = self._corrected(correction, inputs.measured, commands[0], nodes[0], jacobian[0])
+            known = nodes[1] + correction.offset_mm + correction.gain @ (effective - correction.command_mm)
+            rate = self._plan(state.points, inputs.desired, effective, known, jacobian[1] + correction.gain)
+            planned_s = inputs.now_s
+        step = rate * inputs.dt_s
+        engaged = np.minimum(np.maximum(state.engaged + step / self._settings.engaging_mm, -1.0), 1.0)
         following = ResolvedRateState(
             points=state.points,
             correction=correction,
+            engaged=engaged,
             reached_mm=reached,
             history=history,
             rate_mm_s=rate,
             planned_s=planned_s,
         )
-        return following, inputs.command_mm + rate * inputs.dt_s
+        return following, effective + step + self._half_lost_mm * engaged
 
-    def _corrected(self, state: ResolvedRateState, measured: Measurement, command_mm: Array) -> Correction:
-        before, settings = state.correction, self._settings
-        nodes, jacobian = self._kinematics.nodes_and_jacobian(command_mm, state.points.arc_mm)
+    def _corrected(
+        self, before: Correction, measured: Measurement, command_mm: Array, nodes: Array, jacobian: Array
+    ) -> Correction:
+        """One step of the filter; `nodes` (m, 3) and `jacobian` (m, 3, A) are the model's for the command at capture."""
+        settings = self._settings
         moved = command_mm - before.command_mm
         elapsed_s = max(measured.capture_s - before.capture_s, 0.0)
         predicted = before.offset_mm + before.gain @ moved
@@ -131,16 +150,17 @@ class ResolvedRate:
             covariance=covariance - np.outer(kalman, covariance[0]),
         )
 
-    def _plan(self, points: Points, correction: Correction, inputs: LawInputs) -> Array:
+    def _plan(
+        self, points: Points, desired: Desired, command_mm: Array, predicted_mm: Array, jacobian: Array
+    ) -> Array:
+        """Rates (A,) of the axes by damped least squares, for nodal points predicted at (m, 3) and moving by (m, 3, A)."""
         settings = self._settings
-        nodes, jacobian = self._kinematics.nodes_and_jacobian(inputs.command_mm, points.arc_mm)
-        predicted = (
-            nodes + correction.offset_mm + correction.gain @ (inputs.command_mm - correction.command_mm)
-        )
-        wanted = inputs.desired.velocity_mm_s + settings.feedback_per_s * (inputs.desired.node_mm - predicted)
-        root = np.sqrt(points.weights)[:, None]
-        rows = ((jacobian + correction.gain) * root[..., None] * points.movable).reshape(-1, len(self._cost))
-        posture = -settings.posture_per_s * inputs.command_mm * points.movable
+        wanted = desired.velocity_mm_s + settings.feedback_per_s * (desired.node_mm - predicted_mm)
+        speed = np.linalg.norm(wanted, axis=1, keepdims=True)
+        wanted *= np.minimum(1.0, self._maximum_speed_mm_s / np.maximum(speed, 1e-9))
+        root = np.sqrt(points.weights / points.weights.max())[:, None]
+        rows = (jacobian * root[..., None] * points.movable).reshape(-1, len(self._cost))
+        posture = -settings.posture_per_s * command_mm * points.movable
         posture[-1] = 0.0
         missing = (wanted * root).ravel() - rows @ posture
         normal = rows.T @ rows + np.diag((settings.damping_mm * self._cost) ** 2)

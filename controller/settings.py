@@ -69,12 +69,14 @@ class ResolvedRateSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
 
     feedback_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 8.0
     response_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.04
+    lost_motion_mm: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.4
+    engaging_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
     damping_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
     insertion_cost: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.1
     posture_per_s: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.5
     measurement_noise_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
     offset_drift_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
-    gain_drift: Annotated[float, msgspec.Meta(ge=0, le=100)] = 1.0
+    gain_drift: Annotated[float, msgspec.Meta(ge=0, le=100)] = 0.3
     maximum_gain_correction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.5
 
 

@@ -1,6 +1,7 @@
 """One stretch of closed-loop motion: a reference, the law that follows it, and how well it goes. Pure."""
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -40,12 +41,8 @@ class Task:
     law_state: Any
     desired_mm: Array
     measured_mm: Array
-
-    @property
-    def error_mm(self) -> float:
-        """Weighted RMS distance between desired and measured nodal points."""
-        squared = ((self.desired_mm - self.measured_mm) ** 2).sum(axis=1)
-        return float(np.sqrt(np.average(squared, weights=self.points.weights)))
+    error_mm: float
+    """Weighted RMS distance between the two."""
 
     def settled(self, within_mm: float, now_s: float) -> bool:
         """True when the reference has arrived and the nodal points are near it."""
@@ -69,8 +66,7 @@ def begin(
         reference=reference,
         points=points,
         law_state=law.start(points, command_mm, measurement, now_s),
-        desired_mm=reference.at(seen.capture_s).node_mm,
-        measured_mm=measured,
+        **_compare(reference, points, measurement),
     )
 
 
@@ -82,9 +78,6 @@ def advance(
     if seen is not None:
         _, node_mm = seen.nodes(task.reference.target.node_names)
         measured = Measurement(capture_s=seen.capture_s, node_mm=node_mm)
-        task = dataclasses.replace(
-            task, measured_mm=node_mm, desired_mm=task.reference.at(seen.capture_s).node_mm
-        )
     inputs = LawInputs(
         now_s=now_s,
         dt_s=dt_s,
@@ -93,7 +86,15 @@ def advance(
         measured=measured,
     )
     law_state, wanted = law.step(task.law_state, inputs)
-    return dataclasses.replace(task, law_state=law_state), wanted
+    seen_anew = {} if measured is None else _compare(task.reference, task.points, measured)
+    return dataclasses.replace(task, law_state=law_state, **seen_anew), wanted
+
+
+def _compare(reference: Reference, points: Points, measured: Measurement) -> dict[str, Any]:
+    desired_mm = reference.at(measured.capture_s).node_mm
+    squared = ((desired_mm - measured.node_mm) ** 2).sum(axis=1)
+    error_mm = math.sqrt(squared @ points.weights / points.weights.sum())
+    return {"desired_mm": desired_mm, "measured_mm": measured.node_mm, "error_mm": error_mm}
 
 
 def straight_target(shape: ShapeEstimate) -> Target:
