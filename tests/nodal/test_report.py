@@ -1,0 +1,268 @@
+"""A report's figures, on a run made up so that each of them is known."""
+
+import dataclasses
+
+import msgspec
+import numpy as np
+import pytest
+
+from controller.settings import ControllerSettings
+from drivers.simulated.cameras.rig import default_cameras
+from drivers.simulated.robot.settings import SimulatedRobotSettings, ideal
+from messaging.control import ControllerState, State, TendonCommand
+from messaging.settings import RobotSettings
+from messaging.shape import Flag, ShapeEstimate, Truth
+from nodal import targets
+from nodal.errors import ReportError
+from nodal.report.bench_run import BenchRun, FrameSets
+from nodal.report.open_loop import open_loop_path, solved
+from nodal.report.summary import CIRCLE, HOLD, summary_of
+from nodal.report.tracking import tracking_of
+from nodal.report.truth import TrueShapes
+
+START_NS = 1_700_000_000_000_000_000
+PERIOD_NS = 33_333_333
+ARC_MM = np.linspace(0, 80, 81)
+SETS = 60
+
+
+def line(offset_mm=(0.0, 0.0, 0.0)):
+    return np.column_stack([np.zeros(81), np.zeros(81), ARC_MM]) + offset_mm
+
+
+def truth_at(time_ns):
+    """A straight robot that drifts along x by 10 mm a second."""
+    x_mm = 10 * (time_ns - START_NS) / 1e9
+    return Truth(capture_time_ns=time_ns, arc_mm=ARC_MM, centreline_mm=line((x_mm, 0, 0)), insertion_mm=0.0)
+
+
+def shape(sequence, time_ns, offset_mm=0.0, **changes):
+    points = truth_at(time_ns).centreline_mm + np.array([0, offset_mm, 0])
+    return ShapeEstimate(
+        **{
+            "sequence": sequence,
+            "capture_time_ns": time_ns,
+            "capture_to_publish_ns": 10_000_000,
+            "refusal": "",
+            "flags": (),
+            "arc_mm": ARC_MM,
+            "centreline_mm": points,
+            "node_names": ("middle", "tip"),
+            "node_arc_mm": np.array([40.0, 80.0]),
+            "node_mm": points[[40, 80]],
+            "node_covariance_mm2": np.zeros((2, 3, 3)),
+            "length_mm": 80.0,
+            "insertion_mm": 0.0,
+            "ray_gap_mm": 0.0,
+            "residual_px": 0.0,
+            "stage_names": (),
+            "stage_s": np.zeros(0),
+            **changes,
+        }
+    )
+
+
+def state(sequence, capture_ns, off_mm, target=CIRCLE):
+    desired = truth_at(capture_ns).centreline_mm[80] + np.array([0, 0, off_mm])
+    return ControllerState(
+        time_ns=capture_ns + 15_000_000,
+        state=State.TRACKING,
+        reason="",
+        target_name=target,
+        node_names=("tip",),
+        desired_mm=desired[None],
+        measured_mm=desired[None],
+        tracking_error_mm=0.0,
+        shape_sequence=sequence,
+        shape_age_s=0.015,
+        lateness_s=0.002,
+        busy_s=0.001,
+        overruns=0,
+    )
+
+
+def command(age_ns):
+    return TendonCommand(
+        time_ns=0,
+        displacement_mm=np.zeros(4),
+        insertion_mm=0.0,
+        shape_sequence=0,
+        capture_to_command_ns=age_ns,
+    )
+
+
+@pytest.fixture
+def run():
+    """Estimates 0.2 mm off; the tip 0.5 mm off on the circle, 1 mm off while a hold settles and 0.1 mm off after."""
+    times = [START_NS + index * PERIOD_NS for index in range(SETS)]
+    frames = FrameSets()
+    for index in range(SETS):
+        frames.hear("left", index)
+        frames.hear("right", index)
+    circle = dataclasses.replace(
+        targets.circle("tip", radius_mm=15, period_s=10, height_mm=85, centre_mm=(0, 0)), name=CIRCLE
+    )
+    hold = dataclasses.replace(targets.points({"tip": [15, 0, 85]}, {}), name=HOLD)
+    return BenchRun(
+        rig=default_cameras(),
+        losses=3,
+        frames=frames,
+        shapes=[shape(index, time, 0.2) for index, time in enumerate(times)],
+        truths=[truth_at(time) for time in range(START_NS - PERIOD_NS, times[-1] + PERIOD_NS, 20_000_000)],
+        states=[
+            *(state(index, times[index], 0.5) for index in range(20)),
+            *(state(index, times[index], 1.0, HOLD) for index in range(20, 39)),
+            *(state(index, times[index], 0.1, HOLD) for index in range(40, 60)),
+        ],
+        commands=[command(age) for age in (-1, 10_000_000, -1, 20_000_000)],
+        targets={CIRCLE: circle, HOLD: hold},
+    )
+
+
+def test_the_figures_of_a_run(run):
+    summary = msgspec.to_builtins(summary_of(run, "demo.mcap", 6.0))
+
+    assert summary == {
+        "frame_sets": 60,
+        "estimates": 60,
+        "estimate_rate_hz": pytest.approx(30, abs=0.01),
+        "flagged": 0,
+        "node_error_mm": {"mean": 0.2, "p95": 0.2, "max": 0.2},
+        "tip_error_mm": {"mean": 0.2, "p95": 0.2, "max": 0.2},
+        "tracking_error_mm": {"rms": 0.5, "steady": 0.1},
+        "open_loop_error_mm": {"rms": 6.0},
+        "capture_to_command_ms": {"p50": 15.0, "p99": pytest.approx(19.9)},
+        "control_lateness_ms": {"p50": 2.0, "p99": 2.0},
+        "recording": "demo.mcap",
+        "recording_losses": 3,
+    }
+
+
+def test_refused_estimates_do_not_count_and_flagged_ones_do(run):
+    empty = {
+        "arc_mm": np.zeros(0),
+        "centreline_mm": np.zeros((0, 3)),
+        "node_names": (),
+        "node_arc_mm": np.zeros(0),
+        "node_mm": np.zeros((0, 3)),
+        "node_covariance_mm2": np.zeros((0, 3, 3)),
+    }
+    run.shapes[7] = shape(7, run.shapes[7].capture_time_ns, refusal="camera left: no robot", **empty)
+    run.shapes[9] = shape(9, run.shapes[9].capture_time_ns, 5.0, flags=(Flag.LARGE_RESIDUAL.value,))
+
+    summary = summary_of(run, "demo.mcap", None)
+
+    assert summary.frame_sets == 60
+    assert summary.estimates == 59
+    assert summary.flagged == 1
+    assert summary.node_error_mm.max == 5.0
+    assert summary.open_loop_error_mm.rms is None
+
+
+def test_a_run_without_tracking_has_no_tracking_figures(run):
+    run.states.clear()
+    run.commands.clear()
+    run.targets.clear()
+
+    summary = summary_of(run, "demo.mcap", None)
+
+    assert summary.tracking_error_mm.rms is None
+    assert summary.tracking_error_mm.steady is None
+    assert summary.capture_to_command_ms.p50 is None
+    assert summary.control_lateness_ms.p99 is None
+
+
+def test_a_run_without_estimates_has_no_errors(run):
+    run.shapes.clear()
+    run.states.clear()
+    run.targets.clear()
+
+    summary = summary_of(run, "demo.mcap", None)
+
+    assert summary.estimates == 0
+    assert summary.estimate_rate_hz is None
+    assert summary.node_error_mm.mean is None
+
+
+def test_a_run_without_truth_is_refused(run):
+    run.truths.clear()
+
+    with pytest.raises(ReportError, match="holds 0 true shapes"):
+        summary_of(run, "demo.mcap", None)
+
+
+def test_only_weighted_points_are_judged(run):
+    run.targets[CIRCLE] = dataclasses.replace(
+        targets.points({"middle": [0, 0, 40], "tip": [0, 0, 80]}, {"middle": 0}), name=CIRCLE
+    )
+
+    tracking = tracking_of(run, TrueShapes(run.truths), CIRCLE)
+
+    assert tracking.names == ("tip",)
+    assert tracking.rms_mm() == pytest.approx(0.5)
+
+
+def test_numbers_that_begin_anew_are_told_apart_by_their_time(run):
+    again = run.shapes[-1].capture_time_ns + PERIOD_NS
+    run.shapes.append(shape(0, again))
+    run.truths.append(truth_at(again + PERIOD_NS))
+
+    assert run.captured_ns(0, START_NS + PERIOD_NS) == START_NS
+    assert run.captured_ns(0, again + 1) == again
+    assert run.captured_ns(0, START_NS - 1) is None
+
+
+def test_the_truth_is_interpolated_but_not_over_gaps(run):
+    truth = TrueShapes(
+        [truth_at(START_NS), truth_at(START_NS + 100_000_000), truth_at(START_NS + 900_000_000)]
+    )
+    times = START_NS + np.array([-1, 50_000_000, 500_000_000, 1_000_000_000])
+
+    assert truth.covers(times).tolist() == [False, True, False, False]
+    assert truth.points_mm(times[1:2], np.array([12.5, 80.0])) == pytest.approx(
+        np.array([[[0.5, 0, 12.5], [0.5, 0, 80]]])
+    )
+
+
+def test_frame_sets_are_complete_or_do_not_count():
+    frames = FrameSets()
+    for camera, sequence in (("left", 0), ("right", 0), ("left", 1), ("left", 2), ("right", 2)):
+        frames.hear(camera, sequence)
+
+    assert frames.complete() == 2
+
+
+def test_frame_sets_of_a_restarted_sensing_count_apart():
+    frames = FrameSets()
+    for _ in range(2):
+        for sequence in range(5):
+            frames.hear("left", sequence)
+            frames.hear("right", sequence)
+
+    assert frames.complete() == 10
+
+
+@pytest.fixture
+def kinematics():
+    return ControllerSettings().kinematics(RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0))
+
+
+def test_the_model_is_solved_for_a_place(kinematics):
+    arc, place = np.array([80.0]), np.array([[12.0, -5.0, 82.0]])
+
+    command = solved(kinematics, arc, place, np.zeros(kinematics.axes))
+
+    assert kinematics.nodes_mm(command, arc) == pytest.approx(place, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("build", "low_mm", "high_mm"), [(ideal, 0.0, 1.5), (lambda build: build, 2.0, 20.0)]
+)
+def test_open_loop_misses_a_real_robot_and_hardly_an_ideal_one(kinematics, build, low_mm, high_mm):
+    time_s = np.linspace(0, 5, 50)
+    desired = targets.on_circle(time_s / 10, radius_mm=15, height_mm=85)[:, None]
+
+    reached = open_loop_path(desired, time_s, np.array([80.0]), kinematics, build(SimulatedRobotSettings()))
+
+    rms_mm = np.sqrt(((reached - desired) ** 2).sum(axis=-1).mean())
+    assert low_mm <= rms_mm <= high_mm
