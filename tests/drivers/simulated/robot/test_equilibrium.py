@@ -6,7 +6,7 @@ import pytest
 
 from drivers.simulated.robot.backbone import build_backbone
 from drivers.simulated.robot.equilibrium import Mechanics
-from drivers.simulated.robot.settings import SimulatedRobotSettings
+from drivers.simulated.robot.settings import SimulatedRobotSettings, ideal
 from drivers.simulated.robot.tendons import route_tendons
 from drivers.simulated.robot.transmission import Friction, build_transmission
 
@@ -48,6 +48,14 @@ def test_hessian_is_near_enough_to_the_derivative_of_force(mechanics, law):
     hessian = mechanics.hessian(mechanics.balance(mechanics.pose(strain), law))
     numeric = derivative(lambda u: mechanics.balance(mechanics.pose(u), law).gradient, strain)
     np.testing.assert_allclose(hessian, numeric, atol=0.02 * np.abs(numeric).max())
+
+
+def test_stiffness_of_a_round_uniform_rod():
+    stiffness = build_backbone(ideal(SETTINGS)).stiffness_N_mm.reshape(-1, 3)
+    second_moment_mm4 = np.pi / 4 * 0.4**4
+    shear_modulus_MPa = 60e3 / (2 * 1.3)
+    bending, torsion = 60e3 * second_moment_mm4, shear_modulus_MPa * 2 * second_moment_mm4
+    np.testing.assert_allclose(stiffness, np.tile([4 * bending, 4 * bending, 4 * torsion], (20, 1)))
 
 
 def test_tendon_distance_is_the_distance_between_holes(mechanics):

@@ -62,7 +62,7 @@ def test_a_robot_at_rest_stays_where_it_is():
 
 
 @pytest.mark.parametrize(
-    ("servo_mm", "base", "end"), [([8.0, 0.0, 5.6, -5.6], 0, 40), ([0.0, 0.0, 7.5, -7.5], 40, 80)]
+    ("servo_mm", "base", "end"), [([8.0, 0.0, 5.6, -5.6], 0, 40), ([0.0, 0.0, 8.0, -8.0], 40, 80)]
 )
 def test_each_section_bends_by_80_degrees_within_8_mm_of_travel(servo_mm, base, end):
     tangents = settle(bench(), servo_mm).shape.tangents

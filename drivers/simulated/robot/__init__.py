@@ -1,0 +1,1 @@
+"""Mechanics of the simulated tendon-driven continuum robot: displacements in, shape and tensions out."""
