@@ -1,0 +1,79 @@
+"""The midline of masks whose middle is known."""
+
+import cv2
+import numpy as np
+import pytest
+
+from sensing.midline import half_width, midline
+
+HALF_WIDTH = 9
+
+
+def dense(line):
+    """The line at 2000 evenly numbered places."""
+    places = np.linspace(0, len(line) - 1, 2000)
+    return np.column_stack([np.interp(places, np.arange(len(line)), column) for column in line.T])
+
+
+def thick(line, half_width_px=HALF_WIDTH, size=(260, 320)):
+    """The mask of what lies within a half width of a line."""
+    away = np.full(size, 255, np.uint8)
+    away[tuple(np.rint(dense(line)[:, ::-1]).astype(int).T)] = 0
+    return np.where(cv2.distanceTransform(away, cv2.DIST_L2, 5) <= half_width_px, np.uint8(255), np.uint8(0))
+
+
+def ring(from_deg, to_deg, radius_px=90.0):
+    angle = np.deg2rad(np.linspace(from_deg, to_deg, 200))
+    return np.column_stack([160 + radius_px * np.cos(angle), 130 - radius_px * np.sin(angle)])
+
+
+OFFSET = np.array([55.0, 0.0])
+LINES = {
+    "upright": np.array([[150.0, 240], [150, 40]]),
+    "slanted": np.array([[60.0, 230], [250, 40]]),
+    "quarter": ring(0, 90),
+    "hook": ring(-40, 200),
+    "s": np.vstack([ring(180, 20, 55.0) - OFFSET, ring(200, 340, 55.0) + OFFSET + np.array([-9.0, -38.0])]),
+}
+
+
+@pytest.mark.parametrize("name", LINES)
+@pytest.mark.parametrize("from_base", [True, False], ids=["from base", "from tip"])
+def test_the_midline_runs_along_the_middle_from_the_base_to_the_tip(name, from_base):
+    line = LINES[name] if from_base else LINES[name][::-1]
+    path = midline(thick(line), line[0])
+    away = np.linalg.norm(path[:, None] - dense(line)[None], axis=2)
+    assert np.linalg.norm(path[0] - line[0]) < 2
+    assert np.linalg.norm(path[-1] - line[-1]) < 1.6 * HALF_WIDTH
+    inner = (np.linalg.norm(path - line[0], axis=1) > 15) & (np.linalg.norm(path - line[-1], axis=1) > 15)
+    assert away[inner].min(axis=1).max() < 2.0
+    assert (np.diff(away.argmin(axis=1)[inner]) > -30).all()
+    steps = np.abs(np.diff(path, axis=0))
+    assert steps.max() == 1
+
+
+def test_disks_along_the_tube_are_not_branches():
+    mask = thick(LINES["upright"])
+    for row in range(60, 230, 24):
+        mask[row : row + 4, 136:165] = 255
+    path = midline(mask, np.array([150.0, 240.0]))
+    inner = (path[:, 1] > 60) & (path[:, 1] < 225)
+    assert np.abs(path[inner, 0] - 150).max() <= 1.5
+
+
+def test_a_mask_at_the_border_of_the_picture_has_a_midline():
+    mask = np.zeros((100, 60), np.uint8)
+    mask[:, 20:33] = 255
+    path = midline(mask, np.array([26.0, 99.0]))
+    assert path[0].tolist() == [26.0, 99.0]
+    assert path[-1, 1] == 0
+    assert np.abs(path[10:-10, 0] - 26).max() <= 1
+
+
+@pytest.mark.parametrize("half_width_px", [4, 7, 12])
+def test_the_half_width_is_the_tubes(half_width_px):
+    assert half_width(thick(LINES["quarter"], half_width_px)) == pytest.approx(half_width_px + 0.5, abs=0.8)
+
+
+def test_the_half_width_of_nothing_is_one():
+    assert half_width(np.zeros((20, 20), np.uint8)) == 1.0
