@@ -179,8 +179,8 @@ class DynamixelBus:
         start_s = time.monotonic()
         expected_bytes = len(packet) + len(servos) * (protocol.EMPTY_STATUS_SIZE + size)
         deadline_s = start_s + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
-        late_until_s, self._late_until_s = self._late_until_s, deadline_s + self._answer_timeout_s
-        self._late_question = question
+        none_is_late = start_s >= self._late_until_s
+        self._late_until_s, self._late_question = deadline_s + self._answer_timeout_s, question
         self._port.send(packet)
         parser = PacketParser()
         answers: dict[int, StatusPacket] = {}
@@ -201,8 +201,8 @@ class DynamixelBus:
             if not data:
                 answers |= _parts_of_one(protocol.salvage_fast_status(received, size), servos, size)
                 break
-        if len(answers) == len(servos):
-            self._late_until_s = late_until_s
+        if none_is_late and len(answers) == len(servos):
+            self._late_until_s = 0.0
         return answers, rubbish, time.monotonic() - start_s
 
     def _await_late_answers(self, question: object) -> None:

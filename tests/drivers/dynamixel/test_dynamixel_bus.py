@@ -132,12 +132,25 @@ def test_answers_that_are_always_spoilt_are_reported_as_corrupt(bench, bus, faul
         positions(bus)
 
 
-def test_a_late_answer_is_not_taken_for_the_next_one(bench, settings):
-    bench.set_faults(Faults(delay=frozenset({1}), delay_s=0.25))
+def test_a_late_answer_is_not_taken_for_the_answer_to_another_question(bench, settings):
+    bench.set_faults(Faults(delay=frozenset({1}), delay_s=0.3))
     with DynamixelBus(settings.port, answer_timeout_s=0.2, retries=0) as bus:
         with pytest.raises(NoAnswerError):
             bus.read(11, table.PRESENT_TEMPERATURE)
+        bench.set_faults(Faults(drop=frozenset({1})))
+        with pytest.raises(NoAnswerError):
+            bus.read(11, table.OPERATING_MODE)
         assert bus.read(11, table.OPERATING_MODE) == 5
+
+
+def test_a_late_answer_is_welcome_to_its_own_question_but_another_is_still_to_come(bench, settings):
+    bench.set_faults(Faults(delay=frozenset({1, 2}), delay_s=0.3))
+    with DynamixelBus(settings.port, answer_timeout_s=0.2, retries=1) as bus:
+        assert bus.read(11, table.PRESENT_TEMPERATURE) == 28
+        bench.set_faults(Faults(drop=frozenset({1, 2})))
+        time.sleep(0.05)  # the second late answer would come just inside the next question's time
+        with pytest.raises(NoAnswerError):
+            bus.read(11, table.OPERATING_MODE)
 
 
 @pytest.mark.parametrize(
