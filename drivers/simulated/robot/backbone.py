@@ -4,8 +4,6 @@ The unknown is the strain of every piece, (K, 3) in 1/mm: curvature about the lo
 inextensible and does not shear (Kirchhoff). Energies are in N mm, of a base that stands upright at the origin.
 """
 
-# ruff: noqa: N815 - names end in their unit, and newtons are N
-
 from dataclasses import dataclass, replace
 
 import numpy as np

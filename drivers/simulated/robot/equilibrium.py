@@ -3,8 +3,6 @@
 Newton's method with a line search. The unknowns are the strains of all pieces, flattened to (3K,).
 """
 
-# ruff: noqa: N815 - names end in their unit, and newtons are N
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache

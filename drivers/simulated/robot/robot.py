@@ -4,8 +4,6 @@ Mechanics only: no clock and no input or output. The body has no inertia; each s
 Kelvin-Voigt rod with frictional tendons, found by minimising its incremental energy.
 """
 
-# ruff: noqa: N815 - names end in their unit, and newtons are N
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -4,8 +4,6 @@ Every strength may be zero; with all of them zero the robot is a uniform rod und
 Angles are written in degrees here, because bench files are written by people.
 """
 
-# ruff: noqa: N815 - names end in their unit, and newtons are N
-
 from typing import Annotated
 
 import msgspec

@@ -5,8 +5,6 @@ at the capstan limit (Prandtl's element): rate independent, hysteretic, and with
 one of the step before, so that friction has a potential and a step is a minimisation; stretch sits before the base.
 """
 
-# ruff: noqa: N815 - names end in their unit, and newtons are N
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -98,7 +98,7 @@ def test_play_swallows_small_reversals_entirely():
     assert np.linalg.norm(tip(settle(robot, [2.4, 0, 0, 0])) - rest) > 0.05
 
 
-def test_stiction_never_makes_the_tip_jump():
+def test_friction_and_play_never_make_the_tip_jump():
     robot = bench()
     sweep(robot, 0.0, 4.0, 200)
     steps = np.diff(np.concatenate([sweep(robot, 4.0, -4.0, 400), sweep(robot, -4.0, 4.0, 400)]), axis=0)
