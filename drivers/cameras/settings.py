@@ -1,0 +1,15 @@
+"""Settings of one camera, as they stand in [cameras.NAME]. `source` says what kind of camera it is.
+
+Another kind joins by its own struct in the union `CameraSettings`, and its driver in `opening.py`.
+"""
+
+import msgspec
+
+
+class SimulatedCameraSettings(
+    msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="source", tag="simulated"
+):
+    """A camera of the simulated bench. What it sees and how well is said in [simulation.cameras]."""
+
+
+CameraSettings = SimulatedCameraSettings

@@ -1,0 +1,72 @@
+"""The child process of one simulated camera: poses in by a pipe, JPEG frames out on the bus.
+
+It ends when the pipe does, which the kernel sees to even after kill -9 of the parent.
+"""
+
+import os
+import signal
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+
+import cv2
+
+from drivers.simulated.cameras.arrays import Array
+from drivers.simulated.cameras.renderer import Renderer
+from drivers.simulated.cameras.settings import SimulatedCamerasSettings
+from messaging.frames import CameraCalibration, Frame
+from messaging.session import open_session
+from messaging.settings import ZenohSettings
+from messaging.topics import SIMULATED_CAMERA
+
+READY = "ready"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """All that a camera's process has to know; the first thing in its pipe."""
+
+    calibration: CameraCalibration
+    section_end_mm: Array
+    settings: SimulatedCamerasSettings
+    seed: int
+    zenoh: ZenohSettings
+    bench: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exposure:
+    """One picture to be rendered: the robot's centrelines (N, 3) when the shutter opened and when it closed."""
+
+    number: int
+    capture_monotonic_ns: int
+    opened_mm: Array
+    closed_mm: Array
+
+
+def serve(descriptor: int) -> None:
+    """Render what comes through this pipe until it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to act upon
+    cv2.setNumThreads(1)
+    with Connection(descriptor) as pipe:
+        try:
+            setup: Setup = pipe.recv()
+            name = setup.calibration.camera
+            renderer = Renderer(setup.calibration, setup.section_end_mm, setup.settings, setup.seed)
+            with open_session(setup.zenoh, setup.bench, f"simulated-camera-{name}-{os.getpid()}") as session:
+                publisher = session.publisher(SIMULATED_CAMERA.named(name))
+                pipe.send(READY)
+                while True:
+                    exposure = _newest(pipe)
+                    jpeg = renderer.render(exposure.opened_mm, exposure.closed_mm)
+                    frame = Frame(camera=name, capture_time_ns=exposure.capture_monotonic_ns, jpeg=jpeg)
+                    publisher.put(frame, exposure.number)
+        except (EOFError, ConnectionResetError):
+            return
+
+
+def _newest(pipe: Connection) -> Exposure:
+    """A camera that cannot keep up leaves frames out, as a real one does."""
+    exposure: Exposure = pipe.recv()
+    while pipe.poll():
+        exposure = pipe.recv()
+    return exposure

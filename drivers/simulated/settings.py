@@ -1,0 +1,48 @@
+"""Settings of the simulated bench: its robot, the drive that moves it, its servos and its cameras."""
+
+from typing import Annotated
+
+import msgspec
+
+from drivers.simulated.cameras.settings import SimulatedCamerasSettings
+from drivers.simulated.robot.settings import SimulatedRobotSettings
+from drivers.simulated.servos.settings import EmulatedServosSettings
+
+MmPerRad = Annotated[float, msgspec.Meta(gt=0, le=1000)]
+
+
+class DriveSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the servos turn: pulleys for the tendon pairs, and the stage's screw. Positive turns pull and insert."""
+
+    pulley_mm_per_rad: MmPerRad = 5.0
+    stage_mm_per_rad: MmPerRad = 2.0
+
+
+class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The simulated bench. Where its cameras stand is said by the bench's calibration.
+
+    `servos.ids` are the tendon pairs' in the robot's order, and last the stage's.
+    """
+
+    servos: EmulatedServosSettings
+    robot: SimulatedRobotSettings = SimulatedRobotSettings()
+    drive: DriveSettings = DriveSettings()
+    cameras: SimulatedCamerasSettings = SimulatedCamerasSettings()
+    step_rate_hz: Annotated[float, msgspec.Meta(ge=50, le=500)] = 125.0
+    """How often robot and servos move on."""
+    seed: Annotated[int, msgspec.Meta(ge=0)] = 1
+    """Of everything that is drawn by chance: noise, and the cameras' phases and jitter."""
+
+    def __post_init__(self) -> None:
+        """Check what the bounds of single fields cannot say."""
+        pairs = sum(len(section.tendon_angles_deg) for section in self.robot.sections) // 2
+        if len(self.servos.ids) != pairs + 1:
+            raise ValueError(
+                f"servos.ids {list(self.servos.ids)}: the robot has {pairs} tendon pairs, so {pairs} ids and the "
+                "stage's are needed"
+            )
+        if len(self.cameras.body.diameter_mm) != len(self.robot.sections):
+            raise ValueError(
+                f"cameras.body.diameter_mm {list(self.cameras.body.diameter_mm)}: needed is one for each of the "
+                f"robot's {len(self.robot.sections)} sections"
+            )
