@@ -2,13 +2,20 @@
 
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from threading import Event
 
 import cv2
 import numpy as np
 
-from drivers.cameras import CameraSettings, FrameSet, FrameSetPairing, open_cameras
+from drivers.cameras import (
+    CameraSettings,
+    CameraSilentError,
+    FrameSet,
+    FrameSetPairing,
+    SilenceWatch,
+    open_cameras,
+)
 from messaging import topics
 from messaging.control import Reply, TendonState
 from messaging.errors import NodalError
@@ -25,6 +32,7 @@ logger = logging.getLogger(__name__)
 
 POLL_S = 0.001
 RIG_PERIOD_S = 1.0
+SILENCE_S = 2.0
 STAGE_REPORTS_DEPTH = 256
 
 
@@ -51,6 +59,7 @@ def run(
     stage_reports = session.every(topics.TENDON_STATE, STAGE_REPORTS_DEPTH)
     questions = session.answers(topics.SENSING_NODES)
     pairing = FrameSetPairing(tuple(cameras), settings.maximum_skew_s)
+    silence = SilenceWatch(cameras, SILENCE_S, time.monotonic())
     with open_cameras(cameras, session) as sources:
         while not stop.is_set():
             while (report := stage_reports.take()) is not None:
@@ -58,6 +67,7 @@ def run(
             while (question := questions.take()) is not None:
                 question.reply(_renamed(sensor, question))
             frames = [frame for source in sources if (frame := source.read()) is not None]
+            silence = _silence_told(silence, cameras, [frame.name for frame in frames])
             frame_sets = [frame_set for frame in frames if (frame_set := pairing.feed(frame)) is not None]
             for frame_set in frame_sets:
                 speaker.say_frames(frame_set)
@@ -124,6 +134,19 @@ def _configured(settings: SensingSettings) -> NodalPoints:
         names=tuple(point.name for point in settings.nodal_points),
         arc_mm=np.array([point.arc_mm for point in settings.nodal_points]),
     )
+
+
+def _silence_told(silence: SilenceWatch, cameras: Iterable[str], heard: Iterable[str]) -> SilenceWatch:
+    """Note who was heard; silent cameras are named in the log, again each time the silence has lasted that long."""
+    now_s = time.monotonic()
+    for name in heard:
+        silence.heard(name, now_s)
+    try:
+        silence.check(now_s)
+    except CameraSilentError as error:
+        logger.warning("%s", error)
+        return SilenceWatch(cameras, SILENCE_S, now_s)
+    return silence
 
 
 def _renamed(sensor: Sensor, question: Query) -> Reply:
