@@ -12,7 +12,7 @@ import pytest
 
 from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.rig import default_cameras
-from drivers.simulated.cameras.settings import SimulatedCamerasSettings
+from drivers.simulated.cameras.settings import BodySettings, SimulatedCamerasSettings
 from messaging.frames import CameraCalibration
 from sensing.pipeline import Scene, Shape, estimate
 
@@ -101,27 +101,17 @@ def _from_above(calibration):
 class Bench:
     """Simulated cameras and what they see. Every picture of the same pose is different: noise goes on."""
 
-    def __init__(self, rig):
+    def __init__(self, rig, body=None):
         self.rig = rig
+        settings = SimulatedCamerasSettings(body=body or BodySettings())
         self._renderers = {
-            camera.camera: Renderer(
-                camera, np.array([SECTION_MM, LENGTH_MM]), SimulatedCamerasSettings(), seed
-            )
+            camera.camera: Renderer(camera, np.array([SECTION_MM, LENGTH_MM]), settings, seed)
             for seed, camera in enumerate(rig)
         }
 
     def photograph(self, points_mm):
         """JPEG bytes by camera of the robot along points (81, 3)."""
         return {name: renderer.render(points_mm, points_mm) for name, renderer in self._renderers.items()}
-
-    def without_robot(self, insertion_mm=0.0):
-        """JPEG bytes by camera of the holder alone."""
-        rng = np.random.default_rng(7)
-        base_mm = np.array([0.0, 0.0, insertion_mm])
-        return {
-            name: encoded(renderer._holder.picture(base_mm) + rng.normal(0, 2, (1, 1, 3)))
-            for name, renderer in self._renderers.items()
-        }
 
     def scene(self, backgrounds: Mapping[str, bytes] | None = None, length_mm: float | None = LENGTH_MM):
         """A scene of these cameras."""
@@ -171,8 +161,16 @@ def small_bench(rig):
 
 
 @pytest.fixture(scope="session")
-def three_cameras(rig):
-    return Bench((*rig, _from_above(rig[0])))
+def without_robot(small_bench):
+    """What the small bench's cameras see of the holder alone, by camera: the robot is a speck on its top."""
+    body = BodySettings(diameter_mm=(0.01, 0.01), disk_spacing_mm=1000.0, disk_proud_mm=0.0)
+    return Bench(small_bench.rig, body).photograph(1e-2 * _arcs())
+
+
+@pytest.fixture(scope="session")
+def third_camera(rig):
+    """A bench of one more camera, which looks from above."""
+    return Bench((_from_above(rig[0]),))
 
 
 @pytest.fixture(scope="session")
@@ -254,12 +252,3 @@ def to_levels():
 @pytest.fixture(scope="session")
 def to_light():
     return _to_light
-
-
-POSES = {
-    "straight": (0.0, 0.0, 0.0, 0.0),
-    "leaning": (0.5, 0.4, 0.3, 0.4),
-    "s_bend": (0.9, 2.6, 0.9, -0.5),
-    "strong": (1.3, 2.0, 1.4, 2.9),
-    "out of plane": (1.1, -2.9, 1.1, -2.0),
-}
