@@ -15,6 +15,9 @@ from sensing.refinement import Fit, Prior, predicted_outline
 from sensing.segmentation import Mask, small_pixels
 
 LARGE_RESIDUAL_PX = 0.8
+STRETCH = curve.SAMPLES // 15
+LARGE_STRETCH_PX = 3.0
+"""Mean residual over as many neighbouring normals: a stretch that disagrees drowns in the curve's RMS."""
 LEAST_EXPLAINED = 0.6
 """The share of normals at which both edges must be found, in every camera."""
 LARGE_RAY_GAP_MM = 0.4
@@ -30,6 +33,12 @@ def residual_px(fit: Fit) -> float:
     residuals = np.sort(np.concatenate([np.abs(view.residual_px[view.valid]) for view in fit.views]))
     kept = residuals[: max(int(0.9 * len(residuals)), 1)]
     return float(np.sqrt(np.mean(kept**2))) if residuals.size else float("nan")
+
+
+def worst_stretch_px(fit: Fit) -> float:
+    """The largest mean residual over STRETCH neighbouring normals of one camera; normals that do not count add nothing."""
+    off = np.array([np.where(view.valid, np.abs(view.residual_px), 0.0) for view in fit.views])
+    return float(np.lib.stride_tricks.sliding_window_view(off, STRETCH, axis=1).mean(axis=2).max())
 
 
 def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
@@ -64,7 +73,9 @@ def flags(
         if camera.name in masks
     )
     found = {
-        Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED or not residual_px(fit) < LARGE_RESIDUAL_PX,
+        Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED
+        or not residual_px(fit) < LARGE_RESIDUAL_PX
+        or worst_stretch_px(fit) > LARGE_STRETCH_PX,
         Flag.LARGE_RAY_GAP: not ray_gap_mm(cameras, fit) < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
         Flag.TIP_UNSEEN: not end_mm,
