@@ -22,6 +22,8 @@ AXIS_MM: FloatArray = np.arange(3.0, 9.0, 0.5)
 """Heights above the base at which the robot's contrast is read off its nearly straight beginning."""
 CONTRAST_SHARE = 0.4
 NOISE_FACTOR = 5.0
+LEAST_DISTANCE = 5.0
+"""Colour distance that tells nothing from the backdrop, even where the backdrop shows no noise at all."""
 SMALLEST_ROBOT_PX = 150
 
 
@@ -63,7 +65,7 @@ def robot_mask(name: str, distance: FloatArray, base: BaseView, holder_radius_mm
         raise RefusedError(f"camera {name}: the robot's base is outside the picture")
     noise = noise_level(distance)
     contrast = float(np.median(distance[rows[inside], columns[inside]]))
-    threshold = max(NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+    threshold = max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
     if contrast < threshold:
         raise RefusedError(
             f"camera {name}: nothing stands out from the backdrop where the robot leaves its base "
