@@ -1,5 +1,6 @@
 """A bench in virtual time for the pure loop: a robot, servos that lag, and a camera that is late and noisy."""
 
+import copy
 import dataclasses
 from collections import deque
 from collections.abc import Callable
@@ -73,18 +74,19 @@ def pose(position_mm, *, node="tip", name="pose"):
 
 
 class PaperRobot:
-    """The constant-curvature model with errors that a test chooses: cheap, and wrong enough to need feedback."""
+    """The constant-curvature model with play and errors that a test chooses: cheap, and wrong enough to need feedback."""
 
-    def __init__(self, kinematics, node_arc_mm=(40.0, 80.0), gain=0.8, offset_mm=(0.5, -0.8, -0.1)):
-        self._kinematics, self._arc, self._gain, self._offset = (
-            kinematics,
-            np.array(node_arc_mm),
-            gain,
-            offset_mm,
-        )
+    def __init__(
+        self, kinematics, node_arc_mm=(40.0, 80.0), gain=0.8, offset_mm=(0.5, -0.8, -0.1), play_mm=0.3
+    ):
+        self._kinematics, self._arc = kinematics, np.array(node_arc_mm)
+        self._gain, self._offset, self._play_mm = gain, offset_mm, play_mm
+        self._pulled_mm = np.zeros(kinematics.pairs)
 
     def move(self, command_mm, dt_s):
-        command_mm = np.append(self._gain * command_mm[:-1], command_mm[-1])
+        pairs = command_mm[:-1]
+        self._pulled_mm = np.clip(self._pulled_mm, pairs - self._play_mm / 2, pairs + self._play_mm / 2)
+        command_mm = np.append(self._gain * self._pulled_mm, command_mm[-1])
         return self._kinematics.nodes_mm(command_mm, self._arc) + self._offset
 
 
@@ -146,7 +148,7 @@ class Moment:
 
 
 class VirtualBench:
-    """Runs the loop against a robot. Tests reach in: `drive_absent`, `camera` and `servos` may be changed between runs."""
+    """Runs the loop against a robot. Tests reach in: `drive_absent`, `camera`, `extra_delay_s` and `servos` may be changed between runs."""
 
     def __init__(
         self, robot, settings=None, *, noise_mm=0.03, seed=0, node_arc_mm=(40.0, 80.0), section_settings=ROBOT
@@ -158,6 +160,7 @@ class VirtualBench:
         self.robot, self.noise_mm, self.arc = robot, noise_mm, np.array(node_arc_mm)
         self.servos = Servos(position_mm=np.zeros(2 * len(settings.sections) + 1))
         self.drive_absent = ""
+        self.extra_delay_s = 0.0
         self.camera: Callable[[ShapeEstimate], ShapeEstimate | None] = lambda shape: shape
         self._random = np.random.default_rng(seed)
         self._coming: deque[tuple[float, float, ShapeEstimate]] = deque()
@@ -221,15 +224,45 @@ class VirtualBench:
         )
         self._sequence += 1
         if shape is not None:
-            arrives_s = self.now_s + self._random.uniform(0.02, 0.06)
+            arrives_s = self.now_s + self._random.uniform(0.02, 0.06) + self.extra_delay_s
             self._coming.append((arrives_s, self.now_s, shape))
 
 
 @pytest.fixture
 def paper_bench():
-    """A VirtualBench around a PaperRobot."""
+    """A VirtualBench around a PaperRobot, just started."""
     settings = ControllerSettings()
     return VirtualBench(PaperRobot(settings.kinematics(ROBOT)), settings)
+
+
+@pytest.fixture(scope="session")
+def homed_once():
+    settings = ControllerSettings()
+    bench = VirtualBench(PaperRobot(settings.kinematics(ROBOT)), settings)
+    bench.home()
+    return bench
+
+
+@pytest.fixture(scope="session")
+def tracking_once(homed_once):
+    bench = copy.deepcopy(homed_once)
+    _, (reply,) = bench.run(PERIOD_S, circle())
+    assert reply.accepted, reply
+    assert bench.do("arm", 3.0).accepted
+    assert bench.state.mode == "tracking"
+    return bench
+
+
+@pytest.fixture
+def homed(homed_once):
+    """A homed VirtualBench around a PaperRobot."""
+    return copy.deepcopy(homed_once)
+
+
+@pytest.fixture
+def tracking(tracking_once):
+    """A homed VirtualBench that has followed a circle for three seconds."""
+    return copy.deepcopy(tracking_once)
 
 
 @pytest.fixture
