@@ -2,14 +2,17 @@
 
 import numpy as np
 
-from controller.loop import LoopState, Outputs
+from controller.cycle import LoopState, Outputs
 from drivers.actuators import ActuatorState
 from messaging.control import ControllerState, TendonCommand, TendonState
 
 NO_SHAPE_YET = 0
+"""As `shape_sequence`."""
 REPEATED = -1
+"""As `capture_to_command_ns` of commands that no new shape led to."""
 _NO_NODES = np.zeros((0, 3))
 _NEVER_S = 1e9
+"""As `shape_age_s` before the first shape: messages carry finite numbers only."""
 
 
 def tendon_command(

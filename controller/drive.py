@@ -2,7 +2,7 @@
 
 import logging
 
-from controller.loop import Outputs
+from controller.cycle import Outputs
 from drivers.actuators import ActuatorError, Actuators, ActuatorState
 
 logger = logging.getLogger(__name__)

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from controller import account
+from controller.cycle import Inputs
 from controller.drive import Drive
-from controller.loop import Inputs, Loop
+from controller.loop import Loop
 from controller.pace import Pace
 from controller.settings import ControllerSettings
 from controller.wire import Wire

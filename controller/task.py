@@ -113,7 +113,7 @@ def straight_target(shape: ShapeEstimate) -> Target:
 def starting_points(target: Target, seen: Seen, task: Task | None, now_s: float) -> Array:
     """(m, 3) where a new reference begins: where nodal points are led just now, or where they are seen."""
     _, start = seen.nodes(target.node_names)
-    if task is None or task.reference.target is target:
+    if task is None:
         return start
     led = dict(zip(task.reference.target.node_names, task.reference.at(now_s).node_mm, strict=True))
     return np.array([led.get(name, here) for name, here in zip(target.node_names, start, strict=True)])

@@ -3,7 +3,7 @@
 import logging
 import time
 
-from controller.loop import Outputs, Request, Sighting
+from controller.cycle import Outputs, Request, Sighting
 from messaging import topics
 from messaging.control import ActionRequest, ControllerState, Reply, Target, TendonCommand, TendonState
 from messaging.errors import CodecError, InvalidMessageError

@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from controller.loop import Inputs, Loop, LoopState, Outputs, Sighting
+from controller.cycle import Inputs, LoopState, Outputs, Sighting
+from controller.loop import Loop
 from controller.settings import ControllerSettings
 from drivers.actuators import ActuatorState
 from messaging.control import Action, ActionRequest, Target

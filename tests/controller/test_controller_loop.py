@@ -1,5 +1,6 @@
 """The loop as a whole, in virtual time: what it does when all is well, and what it does about everything that is not."""
 
+import copy
 import dataclasses
 import re
 from typing import Any
@@ -92,6 +93,35 @@ def test_tracking_goes_on_by_itself_when_shapes_are_good_again_where_it_left_the
     assert resumed.outputs.reason == "shapes are trusted again"
     assert resumed.state.task.reference.path_s(resumed.now_s) == pytest.approx(path_s, abs=0.15)
     assert moments[-1].state.task.error_mm < 0.5
+
+
+def test_homing_stands_still_without_trusted_shapes_and_goes_on_with_them(paper_bench):
+    paper_bench.run(0.2)
+    paper_bench.do("home", 0.3)
+    paper_bench.camera = lambda _: None
+    moments, _ = paper_bench.run(0.5)
+    commands = np.array([m.outputs.command_mm for m in moments])
+    assert (np.ptp(commands[:20], axis=0) > 0).any()
+    assert (np.ptp(commands[32:], axis=0) == 0).all()
+    paper_bench.camera = lambda shape: shape
+    paper_bench.run(3.0)
+    assert paper_bench.state.mode == "ready"
+
+
+def test_a_target_given_while_waiting_is_followed_or_the_wait_ends_in_a_fault(tracking, stand_ins):
+    see = tracking.camera
+    tracking.camera = lambda _: None
+    tracking.run(0.3)
+    assert tracking.run(0.1, stand_ins["pose"]((5.0, 0.0, 84.0)))[1][0].accepted
+    patient = copy.deepcopy(tracking)
+    tracking.camera = see
+    tracking.run(3.0)
+    assert tracking.state.mode == "tracking"
+    assert np.linalg.norm(tracking.node_mm[1] - [5.0, 0.0, 84.0]) < 0.2
+    patient.camera = lambda shape: dataclasses.replace(shape, node_names=("a", "b"))
+    patient.run(1.0)
+    assert "no nodal point tip" in patient.state.supervision.reason
+    assert patient.state.mode == "fault"
 
 
 def test_the_operators_hold_does_not_end_by_itself_and_does_not_need_shapes(tracking):
@@ -297,7 +327,7 @@ class Nonsense(Law[None]):
 
 
 def test_a_law_that_says_nan_is_a_fault_and_nothing_is_sent(tracking):
-    tracking.loop._law = Nonsense()
+    tracking.loop._motion._law = Nonsense()
     moments, _ = tracking.run(PERIOD_S)
     assert moments[0].state.mode == "fault"
     assert "must be 5 finite numbers" in moments[0].outputs.reason

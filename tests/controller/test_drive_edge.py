@@ -6,8 +6,8 @@ import time
 import numpy as np
 import pytest
 
+from controller.cycle import Outputs
 from controller.drive import Drive
-from controller.loop import Outputs
 from controller.pace import Pace
 from drivers.actuators import ActuatorError
 

@@ -1,0 +1,86 @@
+"""What goes into one cycle of the controller, what comes out, and what it leaves to the next one."""
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.supervisor import Mode, Supervision
+from controller.task import Seen, Task
+from controller.watch import Trouble
+from drivers.actuators import ActuatorState
+from messaging.control import ActionRequest, Reply, Target
+from messaging.shape import ShapeEstimate
+
+Array = NDArray[np.float64]
+Request = ActionRequest | Target
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Sighting:
+    """A shape that arrived since the last cycle, and how long ago its frames were taken."""
+
+    shape: ShapeEstimate
+    age_s: float
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Inputs:
+    """What one cycle sees. `now_s` is monotonic; `dt_s` the time since the last cycle as far as commands may use it."""
+
+    now_s: float
+    dt_s: float
+    sighting: Sighting | None
+    drive: ActuatorState | None
+    absence: str
+    """Why `drive` is missing."""
+    requests: tuple[Request, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Outputs:
+    """What the drive is to do, in the order of the fields, and what is to be said."""
+
+    release: bool
+    """Let all tendons go."""
+    engage: bool
+    """Hold them where they are."""
+    zero_mm: Array | None
+    """(A,) what the present position is called from now on."""
+    command_mm: Array | None
+    """(A,) where to go."""
+    replies: tuple[Reply, ...]
+    accepted: Target | None
+    """A new target."""
+    reason: str
+    """Why the mode is what it is, or how the command was cut short."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class LoopState:
+    """What a cycle leaves to the next one."""
+
+    supervision: Supervision
+    command_mm: Array
+    trouble: Trouble
+    seen: Seen | None = None
+    distrusted: str = "none has come"
+    target: Target | None = None
+    joined_s: float = 0.0
+    """Where on the target's path to go on."""
+    task: Task | None = None
+    straight_since_s: float = np.inf
+
+    @property
+    def mode(self) -> Mode:
+        """What the controller is doing."""
+        return self.supervision.mode
+
+    def unseen_s(self, now_s: float) -> float:
+        """Time since a trusted shape arrived."""
+        return math.inf if self.seen is None else now_s - self.seen.arrived_s
+
+    def blind(self, now_s: float, timeout_s: float) -> bool:
+        """True when no trusted shape arrived for longer than `timeout_s`."""
+        return self.unseen_s(now_s) > timeout_s
