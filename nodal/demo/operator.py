@@ -26,9 +26,9 @@ class Operator:
         self._telemetry = telemetry
 
     def follow(self, target: Target, seconds: float) -> None:
-        """Have this target followed for so long, homing and arming anew whenever that is needed; raises DemoError."""
-        end_s = time.monotonic() + seconds
+        """Have this target followed for so long once that has begun, beginning anew when needed; raises DemoError."""
         self._begin(target)
+        end_s = time.monotonic() + seconds
         while time.monotonic() < end_s:
             self._launcher.turn()
             if self._telemetry.state in (State.IDLE, State.FAULT):

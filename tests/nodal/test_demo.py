@@ -43,26 +43,39 @@ PICTURES = (
 )
 
 
-def start_demo(folder, *words):
+MARK = "NODAL_TEST_RUN"
+"""A variable that every descendant of a demo inherits, the cameras' processes too."""
+
+
+def start_demo(bench, folder, *words):
     return subprocess.Popen(
-        [sys.executable, "-m", "nodal", "demo", "--out", str(folder), *words],
+        [sys.executable, "-m", "nodal", "demo", "--config", str(bench), "--out", str(folder), *words],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        env={**os.environ, MARK: str(folder)},
     )
 
 
-def processes_of(folder):
-    """The pids of a demo's processes by subcommand; the demo itself is not among them."""
+def descendants(folder):
+    """Pid and command line of every process of this demo."""
     found = {}
     for entry in Path("/proc").iterdir():
         try:
-            words = (entry / "cmdline").read_text(encoding="utf-8").split("\0")
-        except (OSError, UnicodeDecodeError):
+            if f"{MARK}={folder}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                found[int(entry.name)] = (entry / "cmdline").read_text(encoding="utf-8").split("\0")
+        except (OSError, ValueError):
             continue
-        if str(folder / "bench.toml") in words:
-            found[words[words.index("nodal") + 1]] = int(entry.name)
     return found
+
+
+def processes_of(folder):
+    """The pids of the processes that the demo started, by subcommand."""
+    return {
+        words[words.index("nodal") + 1]: pid
+        for pid, words in descendants(folder).items()
+        if "--end-with" in words
+    }
 
 
 def wait_until(met, what, within_s=60.0, demo=None):
@@ -82,14 +95,14 @@ def finished(recording):
 
 
 def assert_nothing_is_left(folder):
-    assert processes_of(folder) == {}
+    assert descendants(folder) == {}
     assert not (folder / "servos").is_symlink()
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory):
+def demo(light_bench, tmp_path_factory):
     folder = tmp_path_factory.mktemp("demo") / "run"
-    process = start_demo(folder, "--duration", "12", "--json")
+    process = start_demo(light_bench, folder, "--duration", "12", "--json")
     out, err = process.communicate(timeout=150)
     assert process.returncode == 0, err
     return folder, out, err
@@ -140,9 +153,9 @@ def test_a_finished_demo_leaves_nothing_running(demo):
     assert_nothing_is_left(demo[0])
 
 
-def test_killed_processes_come_back_and_a_closed_terminal_ends_it_well(tmp_path):
+def test_killed_processes_come_back_and_a_closed_terminal_ends_it_well(light_bench, tmp_path):
     folder = tmp_path / "run"
-    demo = start_demo(folder, "--duration", "600")
+    demo = start_demo(light_bench, folder, "--duration", "600")
     try:
         wait_until(lambda: len(processes_of(folder)) == len(PROCESSES), "all processes", demo=demo)
         settings = load_bench(folder / "bench.toml").settings
@@ -172,9 +185,9 @@ def test_killed_processes_come_back_and_a_closed_terminal_ends_it_well(tmp_path)
     assert json.loads((folder / "summary.json").read_text(encoding="utf-8"))["estimates"] > 0
 
 
-def test_ctrl_c_before_anything_runs_leaves_nothing(tmp_path):
+def test_ctrl_c_before_anything_runs_leaves_nothing(light_bench, tmp_path):
     folder = tmp_path / "run"
-    demo = start_demo(folder)
+    demo = start_demo(light_bench, folder)
     wait_until(lambda: "rendezvous" in processes_of(folder), "the first process", demo=demo)
 
     demo.send_signal(signal.SIGINT)
@@ -185,15 +198,15 @@ def test_ctrl_c_before_anything_runs_leaves_nothing(tmp_path):
     assert_nothing_is_left(folder)
 
 
-def test_a_killed_demo_takes_its_processes_along(tmp_path):
+def test_a_killed_demo_takes_its_processes_along(light_bench, tmp_path):
     folder = tmp_path / "run"
-    demo = start_demo(folder)
+    demo = start_demo(light_bench, folder)
     wait_until(lambda: len(processes_of(folder)) == len(PROCESSES), "all processes", demo=demo)
     wait_until((folder / "servos").is_symlink, "the serial link", demo=demo)
 
     demo.kill()
     demo.communicate()
 
-    wait_until(lambda: not processes_of(folder), "the end of all processes")
+    wait_until(lambda: not descendants(folder), "the end of all processes")
     assert_nothing_is_left(folder)
     assert finished(folder / "demo.mcap")

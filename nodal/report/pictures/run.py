@@ -1,9 +1,10 @@
 """A whole run: where the tip was asked to go and went, and how the errors went over time."""
 
+import itertools
 from pathlib import Path
 from typing import Any
 
-from messaging.control import State
+from messaging.control import ControllerState, State
 from nodal.report.bench_run import BenchRun, times_ns
 from nodal.report.pictures.style import (
     DESIRED,
@@ -15,9 +16,20 @@ from nodal.report.pictures.style import (
     picture,
 )
 from nodal.report.summary import node_errors_mm
-from nodal.report.tracking import Tracking
+from nodal.report.tracking import Tracking, tracking_of
 from nodal.report.truth import TrueShapes
 
+PHASES = {
+    "idle": "#ffffff",
+    "homing": "#e9ecef",
+    "ready": "#e9ecef",
+    "approach": "#d6e6f4",
+    "circle": "#e8f1f9",
+    "hold": "#d9efdf",
+    "holding": "#f6c88a",
+    "fault": "#f0a3ad",
+}
+ROOM_FOR_A_NAME = 0.05
 PLANES = (("Seen from above", 0, 1), ("Seen from the front", 0, 2))
 
 
@@ -54,20 +66,22 @@ def _paths(path: Path, circle: Tracking, without_feedback: Tracking | None) -> P
 
 
 def _errors(path: Path, run: BenchRun, truth: TrueShapes) -> Path:
-    """Tracking and estimation error over time, on a logarithmic scale, over the controller's states."""
+    """Tracking and estimation error over time, on logarithmic scales, over what the controller was doing."""
     start_ns = run.shapes[0].capture_time_ns
     with picture(path, 9.4, 5.4) as figure:
         above, below = figure.subplots(2, 1, sharex=True)
-        tracked = [state for state in run.states if state.target_name and state.state is State.TRACKING]
-        above.semilogy(
-            [(state.time_ns - start_ns) / 1e9 for state in tracked],
-            [max(state.tracking_error_mm, 1e-3) for state in tracked],
-            ".",
-            markersize=1.5,
-            color=MEASURED,
-        )
-        above.set(title="Tracking error as the controller sees it", ylabel="mm")
-        _shade_states(above, run, start_ns)
+        for name in run.targets:
+            tracking = tracking_of(run, truth, name)
+            if len(tracking.time_ns):
+                above.semilogy(
+                    (tracking.time_ns - start_ns) / 1e9,
+                    tracking.error_mm.max(axis=1),
+                    ".",
+                    markersize=2.5,
+                    color=MEASURED,
+                )
+        above.set(title="True distance from the target", ylabel="mm")
+        _show_phases(above, run, start_ns)
 
         errors = node_errors_mm(run, truth)
         time_s = (times_ns(run.covered(truth)) - start_ns) / 1e9
@@ -83,22 +97,26 @@ def _errors(path: Path, run: BenchRun, truth: TrueShapes) -> Path:
     return path
 
 
-def _shade_states(axes: Any, run: BenchRun, start_ns: int) -> None:
-    changes = [
-        (previous, state)
-        for previous, state in zip(run.states, run.states[1:], strict=False)
-        if (previous.state, previous.target_name) != (state.state, state.target_name)
-    ]
-    for _, state in changes:
-        moment_s = (state.time_ns - start_ns) / 1e9
-        axes.axvline(moment_s, color=FAINT, linewidth=1)
-        label = state.target_name.removeprefix("demo-") if state.state is State.TRACKING else str(state.state)
-        axes.text(
-            moment_s,
-            1.0,
-            f" {label}",
-            transform=axes.get_xaxis_transform(),
-            rotation=90,
-            va="top",
-            fontsize=7,
-        )
+def _show_phases(axes: Any, run: BenchRun, start_ns: int) -> None:
+    """A band for each stretch of time in which the controller did one thing; its name where there is room for it."""
+    whole_ns = run.states[-1].time_ns - run.states[0].time_ns if run.states else 0
+    for name, states in itertools.groupby(run.states, _phase):
+        stretch = [state.time_ns for state in states]
+        begin_s, end_s = (stretch[0] - start_ns) / 1e9, (stretch[-1] - start_ns) / 1e9
+        axes.axvspan(begin_s, end_s, color=PHASES.get(name, FAINT), alpha=0.35, linewidth=0)
+        if stretch[-1] - stretch[0] > ROOM_FOR_A_NAME * whole_ns:
+            axes.text(
+                (begin_s + end_s) / 2,
+                0.97,
+                name,
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="top",
+                fontsize=8,
+            )
+
+
+def _phase(state: ControllerState) -> str:
+    if state.state is State.TRACKING:
+        return state.target_name.removeprefix("demo-")
+    return "holding" if state.state is State.HOLD else str(state.state)

@@ -70,5 +70,7 @@ def robot_axes(figure: Any, position: Any, points_mm: Any) -> Any:
         zlabel="z, mm",
         box_aspect=(1, 1, 1),
     )
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.get_major_locator().set_params(nbins=5)
     axes.view_init(elev=18, azim=-62)
     return axes
