@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable
 from threading import Event
 
@@ -24,6 +25,7 @@ logger = logging.getLogger(__name__)
 
 HISTORY_S = 0.25
 LATE_S = 0.1
+LOST_PER_WARNING = 30
 
 
 def run(
@@ -90,6 +92,7 @@ class _Photographer:
         self._half_exposure_ns = int(settings.cameras.sensor.exposure_s / 2 * NS_PER_S)
         self._history = PoseHistory(HISTORY_S)
         self._number = self._schedule.first_after(start_ns + self._half_exposure_ns)
+        self._lost: Counter[str] = Counter()
         self._truth = session.publisher(topics.TRUTH)
         self._length_mm = length_mm
         self._unix_from_monotonic_ns = time.time_ns() - time.monotonic_ns()

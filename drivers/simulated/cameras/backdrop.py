@@ -11,13 +11,13 @@ from drivers.simulated.cameras.settings import LightSettings
 
 def paint_backdrop(width_px: int, height_px: int, light: LightSettings, shadow_px: Array) -> Pixels:
     """A plain backdrop that darkens towards its corners, with a soft shadow about (2,) `shadow_px`, without noise."""
-    x = np.linspace(-1, 1, width_px)[None, :]
-    y = np.linspace(-1, 1, height_px)[:, None]
+    x = np.linspace(-1, 1, width_px, dtype=np.float32)[None, :]
+    y = np.linspace(-1, 1, height_px, dtype=np.float32)[:, None]
     gradient = 1 - light.gradient * (0.8 * (x - 0.1) ** 2 + 0.5 * (y + 0.3) ** 2) / 1.3
-    across = (np.arange(width_px)[None, :] - shadow_px[0]) / (0.09 * width_px)
-    down = (np.arange(height_px)[:, None] - shadow_px[1]) / (0.35 * height_px)
+    across = (np.float32(width_px / 2) * (x + 1) - np.float32(shadow_px[0])) / np.float32(0.09 * width_px)
+    down = (np.float32(height_px / 2) * (y + 1) - np.float32(shadow_px[1])) / np.float32(0.35 * height_px)
     shadow = 1 - light.shadow * np.exp(-(across**2) - down**2)
-    levels = (gradient * shadow)[:, :, None] * bgr(light.backdrop_colour)
+    levels = (gradient * shadow)[:, :, None] * bgr(light.backdrop_colour).astype(np.float32)
     painted: Pixels = np.rint(np.clip(levels, 0, 255)).astype(np.uint8)
     return painted
 

@@ -1,7 +1,7 @@
 """The part of a picture that is drawn anew: its pixels, and how far away what they show is."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -82,15 +82,21 @@ class Canvas:
         self._depth_mm[body.index] = np.where(cover > 0.5, body.depth_mm, behind_mm)
 
 
-def covered(inside_px: Flat, motion_px: Flat, lens_blur_px: float) -> Flat:
+def covered(
+    inside_px: Flat, motion_px: Callable[[Index], Flat], most_motion_px: float, lens_blur_px: float
+) -> Flat:
     """Share (m,) of pixels whose centres lie (m,) inside an edge that moves across itself while the shutter is open.
 
-    A smooth step of the width whose variance is that of a pixel, the lens and the motion together; at the edge it is 1/2.
+    A smooth step of the width whose variance is that of a pixel, the lens and the motion together; at the edge it is
+    1/2. `motion_px` is asked for the pixels near an edge only.
     """
-    variance_px2 = motion_px * motion_px + np.float32(1 + lens_blur_px**2)
-    step = np.clip(inside_px / np.sqrt(variance_px2 * np.float32(_STEP_VARIANCE)) + np.float32(0.5), 0, 1)
-    smooth: Flat = step * step * (3 - 2 * step)
-    return smooth
+    cover = (inside_px > 0).astype(np.float32)
+    near = np.flatnonzero(np.abs(inside_px) < edge_reach_px(most_motion_px, lens_blur_px))
+    variance_px2 = np.square(motion_px(near)) + np.float32(1 + lens_blur_px**2)
+    step = inside_px[near] / np.sqrt(variance_px2 * np.float32(_STEP_VARIANCE)) + np.float32(0.5)
+    step = np.clip(step, 0, 1)
+    cover[near] = step * step * (3 - 2 * step)
+    return cover
 
 
 def edge_reach_px(motion_px: float, lens_blur_px: float) -> float:

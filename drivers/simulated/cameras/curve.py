@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from drivers.simulated.cameras.arrays import Array
 from drivers.simulated.cameras.projection import Projection
@@ -62,8 +63,6 @@ def see_curve(opened_mm: Array, closed_mm: Array, below_mm: float, projection: P
 @lru_cache(maxsize=2)
 def _spline(count: int) -> tuple[Array, Array]:
     """Matrices (fine, count) that take points to finer points and to slopes of the cubic spline through them."""
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415  imported late: slow
-
     spline = CubicSpline(np.arange(count), np.eye(count))
     fine = np.arange((count - 1) * _FINER + 1) / _FINER
     return spline(fine), spline(fine, 1)

@@ -50,12 +50,19 @@ class Disks:
         x, y = projection.rays(window.in_picture(index, projection.width_px))
         ray = np.stack([x, y, np.ones_like(x)])
         meeting = self._meet(ray, disk)
-        px_per_mm = np.float32(projection.focal_px) / gather(self.centre_mm[:, 2:], disk)[0]
-        motion_px = dot(gather(self.motion_mm, disk), meeting.outwards) * px_per_mm
+        px_per_mm = gather(self._scale(projection)[:, None], disk)[0]
+
+        def motion_px(which: Index) -> Flat:
+            motion_mm = gather(self.motion_mm, disk[which])
+            moved: Flat = dot(motion_mm, meeting.outwards.take(which, axis=1)) * px_per_mm[which]
+            return moved
+
         lit = light.brightness(light.direction.astype(np.float32) @ meeting.normal)
         return Fragments(
             index=index,
-            cover=covered(meeting.inside_mm * px_per_mm, motion_px, lens_blur_px),
+            cover=covered(
+                meeting.inside_mm * px_per_mm, motion_px, self._most_motion_px(projection), lens_blur_px
+            ),
             colour=self.colour.astype(np.float32)[:, None] * lit,
             depth_mm=meeting.depth_mm,
         )
@@ -88,14 +95,21 @@ class Disks:
         normal = np.where(rim < enters, -np.sign(slope) * axis, (rim * across + shift) / radius)
         return _Meeting(inside, outwards, np.maximum(rim, enters), normal)
 
+    def _scale(self, projection: Projection) -> Array:
+        """(k,) pixels a millimetre at each disk."""
+        scale: Array = projection.focal_px / self.centre_mm[:, 2]
+        return scale
+
+    def _most_motion_px(self, projection: Projection) -> float:
+        moved_px = np.linalg.norm(self.motion_mm, axis=1) * self._scale(projection)
+        return float(moved_px.max(initial=0))
+
     def _draw_labels(self, projection: Projection, window: Window, lens_blur_px: float) -> Labels:
         labels = label_map(window)
         outlines = projection.to_pixels(self._rims_mm()) - window.corner
-        scale = projection.focal_px / self.centre_mm[:, 2]
-        motion_px = float((np.linalg.norm(self.motion_mm, axis=1) * scale).max(initial=0))
         outwards = outlines - outlines.mean(axis=1, keepdims=True)
         outwards /= np.maximum(np.linalg.norm(outwards, axis=2, keepdims=True), 1e-9)
-        outlines += outwards * edge_reach_px(motion_px, lens_blur_px)
+        outlines += outwards * edge_reach_px(self._most_motion_px(projection), lens_blur_px)
         for disk in np.argsort(-self.centre_mm[:, 2]):
             hull = cv2.convexHull(outlines[disk].astype(np.float32))[:, 0]
             draw_outline(labels, np.rint(hull).astype(np.int32), int(disk) + 1)

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from drivers.simulated.cameras.arrays import Pixels
 from drivers.simulated.cameras.canvas import Window
 
-_SAMPLING_422 = 0x211111
-_BLOCK_WIDTH, _BLOCK_HEIGHT = 16, 8  # pixels of one coded unit with this sampling, which webcams use
-_COLUMNS = 8
+_UNIT_PX = 16  # a coded unit, with colours at half resolution both ways, as webcams code them
+_UNITS_PER_STRETCH = 5
 _FIRST_RESTART = 0xD0
 _END_OF_PICTURE = b"\xff\xd9"
 
@@ -34,24 +33,20 @@ class Raster:
 
     @classmethod
     def of(cls, width_px: int, height_px: int) -> Self:
-        """Eight stretches a row where that divides the width, else one."""
-        units = -(-width_px // _BLOCK_WIDTH)
-        fits = width_px % (_BLOCK_WIDTH * _COLUMNS) == 0
-        columns = _COLUMNS if fits else 1
-        return cls(
-            width_px, height_px, columns, -(-height_px // _BLOCK_HEIGHT), units // columns * _BLOCK_WIDTH
-        )
+        """Short stretches where they fill the width exactly, else one a row."""
+        units = -(-width_px // _UNIT_PX)
+        fits = width_px % (_UNIT_PX * _UNITS_PER_STRETCH) == 0
+        columns = units // _UNITS_PER_STRETCH if fits else 1
+        return cls(width_px, height_px, columns, -(-height_px // _UNIT_PX), units // columns * _UNIT_PX)
 
     def widen(self, window: Window) -> Window:
         """The smallest window of whole stretches that holds this one, within the picture."""
         width = self.column_width_px
         left = max(window.left, 0) // width * width
-        top = max(window.top, 0) // _BLOCK_HEIGHT * _BLOCK_HEIGHT
+        top = max(window.top, 0) // _UNIT_PX * _UNIT_PX
         right = min(-(-window.right // width) * width, self.width_px)
-        bottom = min(-(-window.bottom // _BLOCK_HEIGHT) * _BLOCK_HEIGHT, self.height_px)
-        return Window(
-            left, top, max(right, left + min(width, self.width_px)), max(bottom, top + _BLOCK_HEIGHT)
-        )
+        bottom = min(-(-window.bottom // _UNIT_PX) * _UNIT_PX, self.height_px)
+        return Window(left, top, max(right, left + min(width, self.width_px)), max(bottom, top + _UNIT_PX))
 
     def encode(self, pixels: Pixels, quality: int) -> "Stretches":
         """The code of a picture, or of a window made of whole stretches."""
@@ -59,9 +54,9 @@ class Raster:
             cv2.IMWRITE_JPEG_QUALITY,
             quality,
             cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
-            _SAMPLING_422,
+            cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
             cv2.IMWRITE_JPEG_RST_INTERVAL,
-            self.column_width_px // _BLOCK_WIDTH,
+            self.column_width_px // _UNIT_PX,
         ]
         return Stretches.of(cv2.imencode(".jpg", pixels, parameters)[1])
 
@@ -97,7 +92,7 @@ def splice(picture: Stretches, patch: Stretches, window: Window, raster: Raster)
         window.left // raster.column_width_px,
         -(-window.right // raster.column_width_px),
     )
-    first_row, end_row = window.top // _BLOCK_HEIGHT, -(-window.bottom // _BLOCK_HEIGHT)
+    first_row, end_row = window.top // _UNIT_PX, -(-window.bottom // _UNIT_PX)
     rows, columns = np.arange(first_row, end_row), np.arange(first_column, end_column)
     first = rows * raster.columns + first_column
     code = patch.renumbered((rows[:, None] * raster.columns + columns).ravel())

@@ -21,12 +21,21 @@ class Passage:
     """(m,) between the ray and the centreline."""
     sideways_mm: Flat
     """(m,) share of the distance across the tube; the rest of it lies along the tube, at the tip."""
-    offset_mm: Flat
-    """(3, m) from the centreline to the ray, in the camera frame."""
+    point_mm: Flat
+    """(3, m) on the centreline."""
+    ray: tuple[Flat, Flat]
+    """x and y (m,) of the ray."""
     depth_mm: Flat
     """(m,) of the ray's point, along the view."""
     obliquity: Flat
     """(m,) sine of the angle between the ray and the tube, times the length of (x, y, 1)."""
+
+    def outwards(self, which: Index) -> Flat:
+        """(3, k) unit vectors from the centreline to some of the rays (k,)."""
+        depth, point = self.depth_mm[which], self.point_mm.take(which, axis=1)
+        ray = np.stack([depth * self.ray[0][which], depth * self.ray[1][which], depth])
+        away: Flat = (ray - point) / np.maximum(self.distance_mm[which], _TINY)
+        return away
 
 
 def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat, rounds: int) -> Passage:
@@ -59,7 +68,8 @@ def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat, round
         sample=sample,
         distance_mm=np.sqrt(dot(moment, moment) / ray2),
         sideways_mm=-dot(point, turn) / obliquity,
-        offset_mm=np.stack([depth * x - point[0], depth * y - point[1], depth - point[2]]),
+        point_mm=point,
+        ray=(x, y),
         depth_mm=depth,
         obliquity=obliquity,
     )

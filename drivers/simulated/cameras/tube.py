@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.cameras.arrays import Array, Flat, Labels, Mask
+from drivers.simulated.cameras.arrays import Array, Flat, Index, Labels, Mask
 from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px, labelled
 from drivers.simulated.cameras.curve import Curve
 from drivers.simulated.cameras.light import Light
@@ -47,7 +47,7 @@ class Tube:
             end_on=end_on,
         )
         look = _Look(self, projection, light, end_on)
-        return [look.fragments(labels, window, lens_blur_px) for labels in strips.layers(window)]
+        return [look.fragments(labels, window, motion_px, lens_blur_px) for labels in strips.layers(window)]
 
 
 class _Look:
@@ -69,7 +69,9 @@ class _Look:
         self._rounds = _ROUNDS_END_ON if end_on.any() else 1
         self._rise = np.column_stack([aside @ up, facing @ up, (curve.points_mm - base_mm) @ up])
 
-    def fragments(self, labels: Labels, window: Window, lens_blur_px: float) -> Fragments:
+    def fragments(
+        self, labels: Labels, window: Window, most_motion_px: float, lens_blur_px: float
+    ) -> Fragments:
         """What the tube contributes to the labelled pixels of the window."""
         curve = self._tube.curve
         index = labelled(labels)
@@ -84,7 +86,12 @@ class _Look:
         outwards = np.sqrt(np.maximum(1 - share * share, 0))
         px_per_mm = np.float32(self._projection.focal_px) / passage.depth_mm
         inside_px = (radius - passage.distance_mm) * px_per_mm
-        cover = covered(inside_px, self._motion_px(passage, px_per_mm), lens_blur_px)
+
+        def motion_px(which: Index) -> Flat:
+            motion_mm = gather(curve.motion_mm, passage.sample[which])
+            return dot(motion_mm, passage.outwards(which)) * px_per_mm[which]
+
+        cover = covered(inside_px, motion_px, most_motion_px, lens_blur_px)
         self._sink_base(cover, passage, sideways, outwards, px_per_mm)
         lit = self._light.brightness(lamp_aside * sideways + lamp_facing * outwards)
         return Fragments(
@@ -93,13 +100,6 @@ class _Look:
             colour=gather(self._tube.colour, passage.sample) * lit,
             depth_mm=passage.depth_mm - radius * outwards / passage.obliquity,
         )
-
-    def _motion_px(self, passage: Passage, px_per_mm: Flat) -> Flat:
-        """(m,) motion across the silhouette's edge while the shutter is open."""
-        motion_mm = gather(self._tube.curve.motion_mm, passage.sample)
-        across_mm = dot(motion_mm, passage.offset_mm) / np.maximum(passage.distance_mm, np.float32(1e-3))
-        motion_px: Flat = across_mm * px_per_mm
-        return motion_px
 
     def _sink_base(
         self, cover: Flat, passage: Passage, sideways: Flat, outwards: Flat, px_per_mm: Flat

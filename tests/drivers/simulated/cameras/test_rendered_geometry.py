@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.cameras.settings import (
@@ -200,3 +201,15 @@ def test_disks_widen_the_silhouette_by_their_own_height() -> None:
         across /= scale
         grown = [edge_px(ringed, at, sign * across) - edge_px(plain, at, sign * across) for sign in (1, -1)]
         assert grown == pytest.approx([0.6 * scale] * 2, abs=0.06)
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_the_rays_of_pixels_project_onto_their_centres(name: str) -> None:
+    camera = CAMERAS[name]
+    projection = Projection(camera)
+    columns, rows = np.array([0, 1919, 0, 1919, 960, 1500]), np.array([0, 0, 1079, 1079, 540, 20])
+    x, y = projection.rays(rows * 1920 + columns)
+    in_camera = np.column_stack([x, y, np.ones_like(x)]).astype(np.float64)
+    expected, _ = cv2.projectPoints(in_camera, np.zeros(3), np.zeros(3), camera.intrinsics, camera.distortion)
+    np.testing.assert_allclose(np.column_stack([columns, rows]), expected[:, 0], atol=5e-4)
+    np.testing.assert_allclose(projection.to_pixels(200 * in_camera), expected[:, 0], atol=1e-6)

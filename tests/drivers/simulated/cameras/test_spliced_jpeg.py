@@ -41,7 +41,7 @@ def test_a_patched_picture_decodes_to_what_the_whole_would(width: int, height: i
     )
 
 
-PLAIN = [cv2.IMWRITE_JPEG_QUALITY, 85, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422]
+PLAIN = [cv2.IMWRITE_JPEG_QUALITY, 85, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420]
 
 
 def test_a_second_decoder_reads_it() -> None:
