@@ -20,7 +20,7 @@ from messaging import topics
 from messaging.control import Reply, TendonState
 from messaging.errors import NodalError
 from messaging.frames import CameraCalibration, Frame
-from messaging.session import Query, Session
+from messaging.session import Query, Session, Subscription
 from messaging.settings import RobotSettings
 from messaging.shape import NodalPoints
 from messaging.views import CameraPoseView, CameraView, CentrelineView, NodalPointsView
@@ -62,8 +62,7 @@ def run(
     silence = SilenceWatch(cameras, SILENCE_S, time.monotonic())
     with open_cameras(cameras, session) as sources:
         while not stop.is_set():
-            while (report := stage_reports.take()) is not None:
-                sensor.heard(TendonState.from_bytes(report.payload))
+            _hear(sensor, stage_reports)
             while (question := questions.take()) is not None:
                 question.reply(_renamed(sensor, question))
             frames = [frame for source in sources if (frame := source.read()) is not None]
@@ -134,6 +133,15 @@ def _configured(settings: SensingSettings) -> NodalPoints:
         names=tuple(point.name for point in settings.nodal_points),
         arc_mm=np.array([point.arc_mm for point in settings.nodal_points]),
     )
+
+
+def _hear(sensor: Sensor, stage_reports: Subscription) -> None:
+    """Hand on what the stage reports; what is not a report is logged and left out."""
+    try:
+        while (report := stage_reports.take()) is not None:
+            sensor.heard(TendonState.from_bytes(report.payload))
+    except NodalError as error:
+        logger.warning("%s: %s", topics.TENDON_STATE.key, error)
 
 
 def _silence_told(silence: SilenceWatch, cameras: Iterable[str], heard: Iterable[str]) -> SilenceWatch:
