@@ -4,6 +4,7 @@ With the last shape as prior the curve is refined at once, from brightness along
 looked at. Without one, or when that fit does not convince, the robot is found anew (`cold_start`).
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from sensing import curve, quality
 from sensing.backdrop import Backdrop
 from sensing.camera import Camera
 from sensing.cold_start import ColdStart, cold_start
-from sensing.errors import NodalPointError
+from sensing.errors import NodalPointError, RefusedError
 from sensing.picture import Picture
 from sensing.refinement import Curve, Fit, Prior, Tip, View, refine
 
@@ -150,6 +151,8 @@ def estimate(
     tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
     watch.lap("refine")
     cold = _judged(fits[tip], tip, scene, prior, backdrops, stages)
+    if not math.isfinite(cold.ray_gap_mm):
+        raise RefusedError("no two cameras see the same stretch of the robot where the curve says it is")
     watch.lap("judge")
     return replace(cold, stage_s=watch.laps)
 
