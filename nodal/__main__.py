@@ -27,6 +27,8 @@ ERROR, INTERRUPTED = 2, 130
 def main(words: Sequence[str] | None = None) -> int:
     """Run one subcommand; returns the exit status: 0 done, 2 an error, 3 refused, 130 interrupted."""
     words = sys.argv[1:] if words is None else words
+    # matrices are small here, and threads for them would only get in the way of the other processes
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _parser(words).parse_args(words)
     try:
         status: int = arguments.run(arguments)

@@ -13,7 +13,7 @@ from nodal.errors import DemoError, ProcessError
 START_ORDER = (("rendezvous",), ("record", "simulate"), ("sense", "control"))
 STOP_ORDER = ("control", "sense", "simulate", "record", "rendezvous")
 READY_WITHIN_S = 60.0
-TURN_S = 0.05
+TURN_S = 0.1
 
 
 class Stopped(Exception):  # noqa: N818  an order, not an error
