@@ -59,7 +59,6 @@ class _Look:
         aside = np.cross(curve.tangents, view)
         aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-9)
         facing = np.cross(curve.tangents, aside)
-        up = projection.rotation[:, 2]
         base_mm = curve.points_mm[np.argmin(np.abs(curve.arc_mm))]
         self._tube = tube
         self._projection = projection
@@ -67,7 +66,7 @@ class _Look:
         self._surface = np.column_stack([tube.radius_mm, aside @ light.direction, facing @ light.direction])
         self._start = _along_pieces(curve, end_on)
         self._rounds = _ROUNDS_END_ON if end_on.any() else 1
-        self._rise = np.column_stack([aside @ up, facing @ up, (curve.points_mm - base_mm) @ up])
+        self._base_height_mm = np.float32(base_mm @ projection.rotation[:, 2])
 
     def fragments(
         self, labels: Labels, window: Window, most_motion_px: float, lens_blur_px: float
@@ -92,25 +91,25 @@ class _Look:
             return dot(motion_mm, passage.outwards(which)) * px_per_mm[which]
 
         cover = covered(inside_px, motion_px, most_motion_px, lens_blur_px)
-        self._sink_base(cover, passage, sideways, outwards, px_per_mm)
+        hit_depth_mm = passage.depth_mm - radius * outwards / passage.obliquity
+        self._sink_base(cover, passage, hit_depth_mm)
         lit = self._light.brightness(lamp_aside * sideways + lamp_facing * outwards)
         return Fragments(
             index=index,
             cover=cover,
             colour=gather(self._tube.colour, passage.sample) * lit,
-            depth_mm=passage.depth_mm - radius * outwards / passage.obliquity,
+            depth_mm=hit_depth_mm,
         )
 
-    def _sink_base(
-        self, cover: Flat, passage: Passage, sideways: Flat, outwards: Flat, px_per_mm: Flat
-    ) -> None:
+    def _sink_base(self, cover: Flat, passage: Passage, hit_depth_mm: Flat) -> None:
         """Uncover what lies below the plane of the base, inside the holder."""
         above = np.searchsorted(self._tube.curve.arc_mm, 2 * self._tube.radius_mm[0])
         low = np.flatnonzero(passage.sample < above)
-        rise_aside, rise_facing, axis_height = gather(self._rise, passage.sample[low])
-        rise = rise_aside * sideways[low] + rise_facing * outwards[low]
-        height_mm = axis_height + np.float32(self._tube.radius_mm[0]) * rise
-        cover[low] *= np.clip(0.5 + height_mm * px_per_mm[low], 0, 1)
+        up = self._projection.rotation[:, 2].astype(np.float32)
+        depth = hit_depth_mm[low]
+        rise = up[0] * passage.ray[0][low] + up[1] * passage.ray[1][low] + up[2]
+        above_px = (depth * rise - self._base_height_mm) * np.float32(self._projection.focal_px) / depth
+        cover[low] *= np.clip(0.5 + above_px, 0, 1)
 
 
 def _along_pieces(curve: Curve, end_on: Mask) -> Array:

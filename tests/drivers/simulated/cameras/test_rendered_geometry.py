@@ -177,12 +177,18 @@ def test_a_moving_robot_is_blurred_about_its_mean_pose() -> None:
     assert partial[1] >= partial[0] + 6
 
 
-def test_the_base_of_the_tube_is_hidden_below_the_collar() -> None:
-    camera = CAMERAS["left"]
-    points, _ = arc(0.0, 0.0)
-    picture = render(camera, points)
-    low = project(camera, np.array([[0.0, 0.0, -1.5]]))[0]
-    assert picture[round(low[1]) + 8 :].max() == 0
+@pytest.mark.parametrize("name", CAMERAS)
+def test_the_tube_ends_at_the_collar_in_the_rim_of_its_base(name: str) -> None:
+    camera = CAMERAS[name]
+    picture = render(camera, arc(0.0, 0.0)[0])
+    turn = np.linspace(0, 2 * np.pi, 3600)
+    rim = project(camera, RADIUS_MM * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn]))
+    start = project(camera, np.array([[0.0, 0.0, 5.0]]))[0]
+    for column in (-12.0, 0.0, 12.0):
+        begin = start + np.array([column, 0.0])
+        beam = np.abs(rim[:, 0] - begin[0]) < 0.1
+        expected = rim[beam, 1].max() - begin[1]
+        assert edge_px(picture, begin, np.array([0.0, 1.0])) == pytest.approx(expected, abs=0.1)
 
 
 def test_disks_widen_the_silhouette_by_their_own_height() -> None:
