@@ -109,6 +109,11 @@ class Session:
     def __init__(self, session: zenoh.Session, process: str) -> None:
         self._session = session
         self._token = session.liveliness().declare_token(f"health/{process}")
+        # a standing subscription: a `get` made while links come up can go on missing tokens for the session's life
+        self._tokens = session.liveliness().declare_subscriber(
+            "health/*", zenoh.handlers.RingChannel(1024), history=True
+        )
+        self._alive: set[str] = set()
 
     def publisher(self, topic: Topic) -> Publisher[Message]:
         """A publisher of this topic."""
@@ -142,11 +147,14 @@ class Session:
         )
 
     def alive(self) -> frozenset[str]:
-        """Names of the processes that are alive on this bench."""
-        replies = self._session.liveliness().get("health/*", timeout=1.0)
-        return frozenset(
-            str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok is not None
-        )
+        """Names of the processes that are alive on this bench, this one included."""
+        while (change := self._tokens.handler.try_recv()) is not None:
+            name = str(change.key_expr).rpartition("/")[2]
+            if change.kind == zenoh.SampleKind.PUT:
+                self._alive.add(name)
+            else:
+                self._alive.discard(name)
+        return frozenset(self._alive)
 
 
 class Newest:

@@ -27,7 +27,7 @@ SWEEP = 16
 PACKAGES = ("nodal", "eclipse-zenoh", "mcap", "protobuf", "foxglove-schemas-protobuf")
 
 
-def run(  # noqa: PLR0917  every process is handed its settings, its session, stop and healthy
+def run(
     settings: RecorderSettings,
     path: Path,
     attachments: Mapping[str, bytes],

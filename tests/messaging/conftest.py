@@ -1,0 +1,28 @@
+import socket
+import time
+
+import pytest
+
+from messaging.settings import ZenohSettings
+
+
+@pytest.fixture
+def zenoh_settings():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    return ZenohSettings(rendezvous=f"tcp/127.0.0.1:{port}")
+
+
+@pytest.fixture
+def eventually():
+    """Call something until it returns a true value; fail after a deadline."""
+
+    def call(condition, within_s=15.0):
+        deadline = time.monotonic() + within_s
+        while not (value := condition()):
+            assert time.monotonic() < deadline, f"nothing came of it within {within_s} s"
+            time.sleep(0.005)
+        return value
+
+    return call
