@@ -9,6 +9,10 @@ Delay is no part of the feedback: a shape is compared with the command that had 
 taken (commands pass a first-order lag of `response_s`), and the law acts on the prediction for the command of now.
 The correction is bounded to a share of the model's Jacobian, so that the direction of motion never turns round.
 
+Where a tendon pair turns round, backlash and friction swallow motion: the command runs ahead of the effective one by
+up to half the lost motion, in the direction of travel (the inverse of a play operator; Krejci, Kuhnen, "Inverse control
+of systems with hysteresis and creep", 2001). Model, prediction and correction all speak of the effective command.
+
 Rates are found by damped least squares (Wampler 1986; Nakamura, Hanafusa 1986), pulled in what freedom is left towards
 the straight posture. They are found anew for each shape, and at the latest after `_PLAN_S`; in between they go on.
 """

@@ -65,19 +65,30 @@ class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
 
 
 class ResolvedRateSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The law `resolved_rate`; see controller/resolved_rate.py for what the values mean."""
+    """The law `resolved_rate`; controller/resolved_rate.py tells what is done with the values."""
 
     feedback_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 8.0
+    """Speed per distance with which an error is made good."""
     response_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.04
+    """Time constant with which servos and robot follow a command."""
     lost_motion_mm: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.4
+    """What backlash and friction swallow when a tendon pair turns round; too little is safe, twice too much is not."""
     engaging_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
+    """Within how much motion after turning round the lost motion is made up for."""
     damping_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
+    """Motion of a nodal point per mm of tendon below which the law gives up rather than pull hard."""
     insertion_cost: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.1
+    """What a mm of the stage costs beside a mm of tendon, where either would do."""
     posture_per_s: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.5
+    """How fast the tendons go back to zero in directions that move no nodal point."""
     measurement_noise_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
+    """Standard deviation of one coordinate of a nodal point."""
     offset_drift_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
+    """How far the robot may wander from its model in a second, by itself."""
     gain_drift: Annotated[float, msgspec.Meta(ge=0, le=100)] = 0.3
+    """How much the Jacobian may change in a second, in mm per mm."""
     maximum_gain_correction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.5
+    """Bound of the Jacobian's correction, as a share of the model's."""
 
 
 class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
