@@ -30,8 +30,6 @@ class Flag(StrEnum):
     """The cameras contradict one another: a camera was moved, or the calibration is off."""
     BASE_UNKNOWN = "base_unknown"
     """The stage's position at capture is not known; the last known one was used."""
-    SKEWED_CAPTURE = "skewed_capture"
-    """The cameras' capture times lie further apart than allowed."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
