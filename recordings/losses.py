@@ -22,6 +22,11 @@ class Gap:
         """How many are missing."""
         return self.last - self.first + 1
 
+    def __str__(self) -> str:
+        """Both ends, for the log."""
+        span = f"{self.first}" if self.count == 1 else f"{self.first} to {self.last}"
+        return f"{self.key}: {self.count} lost (sequence {span})"
+
     def without(self, sequence: int) -> "list[Gap]":
         """What is still missing once this one has come."""
         if not self.first <= sequence <= self.last:

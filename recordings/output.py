@@ -37,15 +37,15 @@ class Output:
 
     def write(self, data: bytes) -> int:
         """Append; raises DiskFullError or UnwritableError, and then the file ends where it did before."""
-        view = memoryview(data)
+        written = 0
         try:
-            while view:
-                view = view[os.write(self._file, view) :]
+            while written < len(data):
+                written += os.pwrite(self._file, memoryview(data)[written:], self._end + written)
         except OSError as error:
             os.ftruncate(self._file, self._end)
             raise self._unwritable(error) from error
-        self._end += len(data)
-        return len(data)
+        self._end += written
+        return written
 
     def tell(self) -> int:
         """Bytes written so far."""

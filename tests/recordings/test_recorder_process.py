@@ -1,0 +1,268 @@
+"""The recorder on a real bus, writing real files: nothing is lost, what is lost is counted, and it ends well."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+import zenoh
+from mcap.reader import make_reader
+
+from messaging.session import open_rendezvous, open_session
+from messaging.topics import CAMERA, LOG, SIMULATED_CAMERA, TENDON_COMMAND, TOPICS
+from recordings import process
+from recordings.errors import DiskFullError, RecordingExistsError, RecordingInUseError
+from recordings.parts import parts
+from recordings.reader import attachments, messages, metadata
+from recordings.records import finished
+from recordings.settings import RecorderSettings
+
+ATTACHED = {"bench.toml": b"name = 'bench'", "calibration.json": b"{}"}
+LOGGED = [topic.named("left") for topic in TOPICS if topic.logged]
+JPEG_SIZED = bytes(range(256)) * 1200
+
+RECORDER = """
+import signal, sys, threading
+from pathlib import Path
+from messaging.session import open_session
+from messaging.settings import ZenohSettings
+from recordings.process import run
+from recordings.settings import RecorderSettings
+
+stop = threading.Event()
+signal.signal(signal.SIGTERM, lambda *_: stop.set())
+with open_session(ZenohSettings(rendezvous=sys.argv[1]), "bench", "record") as session:
+    run(RecorderSettings(), Path(sys.argv[2]), {}, session, stop, lambda: None)
+"""
+
+
+class Payload:
+    """Bytes that stand for a message: the recorder does not look into them."""
+
+    def __init__(self, content):
+        self._content = content
+
+    def to_bytes(self):
+        return self._content
+
+
+@pytest.fixture
+def bus(zenoh_settings):
+    """A rendezvous and a process that publishes."""
+    with (
+        open_rendezvous(zenoh_settings, "bench"),
+        open_session(zenoh_settings, "bench", "sensing") as session,
+    ):
+        yield session
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a.mcap"
+
+
+@pytest.fixture
+def recorder(zenoh_settings, path):
+    """Start the recorder in a thread: a future of its summary. All of them are stopped by the event."""
+    stop = threading.Event()
+    pool = ThreadPoolExecutor()
+
+    def work(healthy, settings):
+        with open_session(zenoh_settings, "bench", "record") as session:
+            return process.run(settings, path, ATTACHED, session, stop, healthy)
+
+    def start(healthy=lambda: None, **chosen):
+        return pool.submit(work, healthy, RecorderSettings(flush_period_s=0.1, **chosen))
+
+    start.stop = stop
+    yield start
+    stop.set()
+    pool.shutdown()
+
+
+@pytest.fixture
+def reaches(path, eventually):
+    """Publish until the recording holds something of this topic."""
+
+    def wait(publisher, key, content=b""):
+        def arrived():
+            publisher.put(Payload(content))
+            return path.exists() and any(one.topic == key for one in messages(path))
+
+        eventually(arrived)
+
+    return wait
+
+
+def test_every_logged_topic_arrives_byte_for_byte(bus, path, recorder, reaches):
+    running = recorder()
+    publishers = {topic.key: bus.publisher(topic) for topic in LOGGED}
+    unlogged = bus.publisher(SIMULATED_CAMERA.named("left"))
+    for key, publisher in publishers.items():
+        reaches(publisher, key, b"first")
+    said = {key: [] for key in publishers}
+    for number in range(60):
+        for key, publisher in publishers.items():
+            payload = key.encode() + bytes([number]) + (JPEG_SIZED if key == "camera/left" else b"")
+            said[key].append(payload)
+            publisher.put(Payload(payload))
+        unlogged.put(Payload(b"not logged"))
+        time.sleep(0.01)
+    for key, publisher in publishers.items():
+        reaches_end(publisher, path, key)
+    recorder.stop.set()
+    summary = running.result(30)
+
+    heard = {key: [] for key in publishers}
+    for one in messages(path):
+        heard[one.topic].append(one.payload)
+    kept = {key: [p for p in payloads if p not in (b"first", b"end")] for key, payloads in heard.items()}
+    assert kept == said
+    assert summary.lost == {}
+    assert summary.messages == {key: len(payloads) for key, payloads in heard.items()}
+    assert summary.size_bytes == path.stat().st_size
+    assert attachments(path) == ATTACHED
+    assert metadata(path)["SUMMARY"]["messages/camera/left"] == str(summary.messages["camera/left"])
+    assert "eclipse-zenoh" in metadata(path)["VERSIONS"]
+    assert finished(path)
+    with path.open("rb") as file:
+        statistics = make_reader(file).get_summary().statistics
+    assert statistics.message_count == sum(summary.messages.values())
+
+
+def reaches_end(publisher, path, key):
+    deadline = time.monotonic() + 15
+    publisher.put(Payload(b"end"))
+    while not any(one.topic == key and one.payload == b"end" for one in messages(path)):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_sequence_numbers_and_times_are_those_of_the_publisher(bus, path, recorder, reaches):
+    running = recorder()
+    publisher = bus.publisher(CAMERA.named("left"))
+    reaches(publisher, "camera/left")
+    before_ns = time.time_ns()
+    publisher.put(Payload(b"numbered"), sequence=2**32 + 5)
+    after_ns = time.time_ns()
+    reaches(publisher, "camera/left")
+    recorder.stop.set()
+    running.result(30)
+    one = next(one for one in messages(path) if one.payload == b"numbered")
+    assert one.sequence == 5
+    assert before_ns <= one.publish_time_ns <= after_ns
+    assert one.log_time_ns >= one.publish_time_ns - 1_000_000_000
+
+
+def test_what_a_stalled_recorder_loses_is_counted_in_the_log_itself(bus, path, recorder, reaches):
+    free = threading.Event()
+    free.set()
+    stalled = threading.Event()
+
+    def healthy():
+        if not free.is_set():
+            stalled.set()
+            free.wait(30)
+
+    running = recorder(healthy, ring_depth=16)
+    publisher = bus.publisher(TENDON_COMMAND)
+    reaches(publisher, TENDON_COMMAND.key)
+    free.clear()
+    assert stalled.wait(30)
+    for _ in range(200):
+        publisher.put(Payload(b"burst"))
+    publisher.put(Payload(b"last of the burst"))
+    time.sleep(0.5)
+    free.set()
+    reaches_end(publisher, path, TENDON_COMMAND.key)
+    recorder.stop.set()
+    summary = running.result(30)
+
+    sequences = [one.sequence for one in messages(path, [TENDON_COMMAND])]
+    missing = sequences[-1] - sequences[0] + 1 - len(sequences)
+    assert missing > 100
+    assert summary.lost == {TENDON_COMMAND.key: missing}
+    assert metadata(path)["SUMMARY"][f"lost/{TENDON_COMMAND.key}"] == str(missing)
+    lines = [one.message.wire for one in messages(path, [LOG])]
+    assert any(f"tendon/command: {missing} lost (sequence" in line.message for line in lines)
+    assert {line.name for line in lines} == {"record"}
+
+
+def test_a_publication_from_outside_is_told_of_and_ends_nothing(zenoh_settings, bus, path, recorder, reaches):
+    running = recorder()
+    config = f'{{mode: "client", connect: {{endpoints: ["{zenoh_settings.rendezvous}"]}}}}'
+    with zenoh.open(zenoh.Config.from_json5(config)) as foreign:
+        deadline = time.monotonic() + 15
+        told = False
+        while not told:
+            assert time.monotonic() < deadline
+            foreign.put("nodal/bench/tendon/command", b"hello")
+            time.sleep(0.05)
+            told = path.exists() and any(
+                "no envelope" in one.message.wire.message for one in messages(path, [LOG])
+            )
+    reaches(bus.publisher(TENDON_COMMAND), TENDON_COMMAND.key)
+    recorder.stop.set()
+    assert running.result(30).lost == {}
+
+
+def test_a_full_disk_ends_the_recorder_and_nothing_else(bus, path, recorder, reaches, small_disk):
+    running = recorder()
+    publisher = bus.publisher(CAMERA.named("left"))
+    reaches(publisher, "camera/left")
+    with small_disk(3_000_000):
+        deadline = time.monotonic() + 30
+        while not running.done():
+            assert time.monotonic() < deadline
+            publisher.put(Payload(JPEG_SIZED))
+            time.sleep(0.01)
+        with pytest.raises(DiskFullError, match=r"a\.mcap: no room is left .* what was written is readable"):
+            running.result()
+    assert sum(len(one.payload) for one in messages(path)) > 1_000_000
+    assert not finished(path)
+
+
+def test_two_recorders_do_not_share_a_file(bus, recorder, reaches):
+    first = recorder()
+    reaches(bus.publisher(TENDON_COMMAND), TENDON_COMMAND.key)
+    with pytest.raises(RecordingInUseError, match="another recorder is writing it"):
+        recorder().result(30)
+    recorder.stop.set()
+    first.result(30)
+    with pytest.raises(RecordingExistsError, match="it is finished"):
+        recorder().result(30)
+
+
+def test_kill_9_takes_at_most_the_last_second_and_the_next_recorder_goes_on(
+    zenoh_settings, bus, path, reaches
+):
+    publisher = bus.publisher(TENDON_COMMAND)
+
+    def start():
+        return subprocess.Popen([sys.executable, "-c", RECORDER, zenoh_settings.rendezvous, str(path)])
+
+    with start() as first:
+        reaches(publisher, TENDON_COMMAND.key)
+        for number in range(150):
+            publisher.put(Payload(b"x"), sequence=1000 + number)
+            time.sleep(0.01)
+        killed_ns = time.time_ns()
+        first.kill()
+    cut = list(messages(path))
+    assert killed_ns - cut[-1].publish_time_ns < 1_000_000_000
+    assert [one.sequence for one in cut if one.sequence >= 1000] == list(range(1000, cut[-1].sequence + 1))
+    assert not finished(path)
+    assert "SUMMARY" not in metadata(path)
+
+    with start() as second:
+        deadline = time.monotonic() + 15
+        while len(parts(path)) < 2 or not list(messages(parts(path)[1])):
+            assert time.monotonic() < deadline
+            publisher.put(Payload(b"y"))
+            time.sleep(0.05)
+        second.send_signal(signal.SIGTERM)
+        assert second.wait(30) == 0
+    assert finished(parts(path)[1])
