@@ -71,5 +71,5 @@ def test_circle_and_pose(stand_ins, record_property):
     record_property("open_loop_rms_mm", open_mm)
     print(f"circle {circle_mm:.3f} mm RMS, steady {steady_mm:.3f} mm, open loop {open_mm:.3f} mm RMS")
     assert circle_mm < open_mm / 5
-    assert circle_mm < 0.6
+    assert circle_mm < 0.4
     assert steady_mm < 0.15
