@@ -68,7 +68,7 @@ def test_repeated_and_late_frames_are_counted_and_left_out() -> None:
 def test_a_clock_that_jumps_back_starts_everything_anew() -> None:
     pairing = FrameSetPairing(("a", "b"), SKEW_S)
     hour = 3_600_000 * MS
-    assert len(feed(pairing, frame("a", hour), frame("b", hour))) == 1
+    assert len(feed(pairing, frame("a", hour), frame("b", hour), frame("a", hour + PERIOD))) == 1
     sets = feed(pairing, frame("a", 0), frame("b", MS), frame("a", PERIOD), frame("b", PERIOD))
     assert [times(one) for one in sets] == [[0, MS], [PERIOD, PERIOD]]
 
