@@ -39,14 +39,11 @@ class Scenario:
     def perform(self, operator: Operator, telemetry: Telemetry) -> None:
         """Approach, circle, hold; raises DemoError or Stopped."""
         hold_s = min(max(HOLD_SHARE * self.duration_s, HOLD_S[0]), HOLD_S[1])
-        operator.follow(self._point(APPROACH, [self.radius_mm, 0.0, self.height_mm]), APPROACH_S)
+        begin = [self.radius_mm, 0.0, self.height_mm]
+        operator.follow(self._point(APPROACH, begin), APPROACH_S)
         operator.follow(self._circle(), self.duration_s - APPROACH_S - hold_s)
-        controller = telemetry.controller
-        where = (
-            controller.desired_mm[0].tolist()
-            if controller is not None and len(controller.desired_mm)
-            else [self.radius_mm, 0.0, self.height_mm]
-        )
+        now = telemetry.controller
+        where = now.desired_mm[0].tolist() if now is not None and now.target_name == CIRCLE else begin
         operator.follow(self._point(HOLD, where), hold_s)
 
     def _point(self, name: str, place_mm: list[float]) -> Target:
