@@ -7,7 +7,7 @@ DURATION ?= 60
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test bench lock protobuf format clean
+.PHONY: help demo test bench lock protobuf docs format clean
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
@@ -33,6 +33,10 @@ protobuf: .venv/dev.stamp ## generate messaging/generated from messaging/proto
 	$(BIN)/python -m grpc_tools.protoc -I messaging/proto \
 		--python_out messaging/generated --pyi_out messaging/generated messaging/proto/nodal.proto
 
+docs: .venv/dev.stamp ## write the references in docs/ anew from settings and topics
+	$(BIN)/python -m nodal.settings_reference docs/bench-file.md
+	$(BIN)/python -m nodal.message_reference > docs/messages.md
+
 COMPILE = uv pip compile pyproject.toml --group install --universal --generate-hashes \
 	--no-emit-index-url --python-version 3.11 --no-header --quiet
 
@@ -53,7 +57,6 @@ python-found:
 .venv/bin/pip: | python-found
 	$(PYTHON) -m venv .venv
 
-# the development lock holds the same pins and more, so either stamp serves the demo
 .venv/run.stamp: requirements.lock pyproject.toml | .venv/bin/pip
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .

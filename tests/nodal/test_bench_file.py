@@ -174,6 +174,4 @@ def test_a_bench_that_is_not_there_is_named(name):
 def test_the_documented_reference_is_in_step_with_the_settings():
     document = DOCUMENT.read_text(encoding="utf-8")
 
-    assert document == with_reference(document), (
-        "make it anew: python -m nodal.settings_reference docs/bench-file.md"
-    )
+    assert document == with_reference(document), "make docs"

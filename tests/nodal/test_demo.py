@@ -20,6 +20,7 @@ from recordings.parts import parts
 from recordings.reader import attachments, messages, metadata
 
 PROCESSES = ("rendezvous", "record", "simulate", "sense", "control")
+IN_THE_LOOP = ("simulate", "sense", "control")
 SUMMARY = {
     "frame_sets": None,
     "estimates": None,
@@ -171,6 +172,8 @@ def test_killed_processes_come_back_and_a_closed_terminal_ends_it_well(light_ben
                 killed = processes_of(folder)[name]
                 os.kill(killed, signal.SIGKILL)
                 wait_until(partial(is_back, folder, name, killed), f"{name} again", demo=demo)
+                if name in IN_THE_LOOP:
+                    wait_until(lambda: not tracking(), f"an end of tracking without {name}", demo=demo)
                 wait_until(tracking, f"tracking after {name} was killed", demo=demo)
 
         demo.send_signal(signal.SIGHUP)

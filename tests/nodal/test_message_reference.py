@@ -8,6 +8,4 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "messages.md"
 
 
 def test_the_document_is_in_step_with_the_table():
-    assert DOCUMENT.read_text(encoding="utf-8") == reference(), (
-        "make it anew: python -m nodal.message_reference > docs/messages.md"
-    )
+    assert DOCUMENT.read_text(encoding="utf-8") == reference(), "make docs"
