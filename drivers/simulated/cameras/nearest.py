@@ -8,6 +8,7 @@ from drivers.simulated.cameras.arrays import Array, Flat, Index
 from drivers.simulated.cameras.curve import Curve
 
 _LARGEST_STEP_MM = np.float32(3.0)
+_ROUNDS_WHEN_UNCERTAIN = 2
 _TINY = np.float32(1e-6)
 
 
@@ -38,41 +39,70 @@ class Passage:
         return away
 
 
-def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat, rounds: int) -> Passage:
+def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat, uncertain: Index) -> Passage:
     """Find the passages of rays (m,), starting from distances (m,) from the curve's first sample.
 
-    Passages beyond `end_mm`, also from the first sample, are held there. Newton's method on the squared distance; one
-    round is exact to a micrometre from within a few tenths of a millimetre.
+    Passages beyond `end_mm`, also from the first sample, are held there. Newton's method on the squared distance: one
+    round is exact to a micrometre from within a few tenths of a millimetre; `uncertain` rays are given more.
     """
-    points, tangents = _rows(curve.points_mm), _rows(curve.tangents)
-    spacing, end = np.float32(curve.spacing_mm), np.float32(end_mm)
-    along = np.clip(start_mm, 0, end)
-    for _ in range(rounds):
-        sample = np.rint(along / spacing).astype(np.intp)
-        rest = along - sample.astype(np.float32) * spacing
-        tangent = tangents.take(sample, axis=1, mode="clip")
-        point = points.take(sample, axis=1, mode="clip")
-        point += rest * tangent
-        # the moment's length over the ray's is the distance, without the cancellation of a difference of large squares
-        moment, turn = _cross_ray(point, x, y), _cross_ray(tangent, x, y)
-        turn2 = np.maximum(dot(turn, turn), _TINY)
-        step = np.clip(dot(moment, turn) / -turn2, -_LARGEST_STEP_MM, _LARGEST_STEP_MM)
-        moved = np.clip(along + step, 0, end)
-        step, along = moved - along, moved
-    moment += step * turn
-    point += step * tangent
+    course = _Course(_rows(curve.points_mm), _rows(curve.tangents), curve.spacing_mm, end_mm)
+    along = np.clip(start_mm, 0, np.float32(end_mm))
+    for _ in range(_ROUNDS_WHEN_UNCERTAIN if uncertain.size else 0):
+        near = course.approach(x[uncertain], y[uncertain], along[uncertain])
+        along[uncertain] = near.along_mm
+    near = course.approach(x, y, along)
+    point, moment, turn = near.point_mm, near.moment, near.turn
     ray2 = x * x + y * y + 1
-    depth = (point[0] * x + point[1] * y + point[2]) / ray2
-    obliquity = np.sqrt(turn2)
+    obliquity = np.sqrt(np.maximum(dot(turn, turn), _TINY))
     return Passage(
-        sample=sample,
+        sample=near.sample,
         distance_mm=np.sqrt(dot(moment, moment) / ray2),
         sideways_mm=-dot(point, turn) / obliquity,
         point_mm=point,
         ray=(x, y),
-        depth_mm=depth,
+        depth_mm=(point[0] * x + point[1] * y + point[2]) / ray2,
         obliquity=obliquity,
     )
+
+
+@dataclass(frozen=True)
+class _Approach:
+    """Rays and the points of the curve that one round found for them."""
+
+    sample: Index
+    along_mm: Flat
+    point_mm: Flat
+    moment: Flat
+    """(3, m) of the ray about the point: its length over the ray's is the distance, without the cancellation of a
+    difference of large squares."""
+    turn: Flat
+    """(3, m) the tangent cross the ray."""
+
+
+@dataclass(frozen=True)
+class _Course:
+    """The curve in single precision: points (3, n), tangents (3, n), and how far it goes."""
+
+    points: Flat
+    tangents: Flat
+    spacing_mm: float
+    end_mm: float
+
+    def approach(self, x: Flat, y: Flat, along: Flat) -> _Approach:
+        """One round, from the line through the sample nearest to each place `along` (m,) the curve."""
+        spacing = np.float32(self.spacing_mm)
+        sample = np.rint(along / spacing).astype(np.intp)
+        tangent = self.tangents.take(sample, axis=1, mode="clip")
+        point = self.points.take(sample, axis=1, mode="clip")
+        point += (along - sample.astype(np.float32) * spacing) * tangent
+        moment, turn = _cross_ray(point, x, y), _cross_ray(tangent, x, y)
+        step = dot(moment, turn) / -np.maximum(dot(turn, turn), _TINY)
+        moved = along + np.clip(step, -_LARGEST_STEP_MM, _LARGEST_STEP_MM)
+        moved = np.clip(moved, 0, np.float32(self.end_mm))
+        step = moved - along
+        moment += step * turn
+        point += step * tangent
+        return _Approach(sample, moved, point, moment, turn)
 
 
 def gather(table: Array, rows: Index) -> Flat:

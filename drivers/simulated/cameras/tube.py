@@ -18,7 +18,6 @@ from drivers.simulated.cameras.strips import Strips
 
 _SAMPLES_PER_PIECE = 4
 _END_ON = 0.4  # sine of the angle to the view, below which a piece counts as seen end on
-_ROUNDS_END_ON = 3
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class _Look:
         self._light = light
         self._surface = np.column_stack([tube.radius_mm, aside @ light.direction, facing @ light.direction])
         self._start = _along_pieces(curve, end_on)
-        self._rounds = _ROUNDS_END_ON if end_on.any() else 1
+        self._end_on = end_on
         self._base_height_mm = np.float32(base_mm @ projection.rotation[:, 2])
 
     def fragments(
@@ -75,9 +74,11 @@ class _Look:
         curve = self._tube.curve
         index = labelled(labels)
         x, y = self._projection.rays(window.in_picture(index, self._projection.width_px))
-        start_mm, slope_x, slope_y = gather(self._start, labels.reshape(-1).take(index).astype(np.intp) - 1)
+        piece = labels.reshape(-1).take(index).astype(np.intp) - 1
+        start_mm, slope_x, slope_y = gather(self._start, piece)
+        uncertain = np.flatnonzero(self._end_on[piece])
         end_mm = curve.length_mm - float(self._tube.radius_mm[-1]) - float(curve.arc_mm[0])
-        passage = pass_by(curve, end_mm, x, y, start_mm + slope_x * x + slope_y * y, self._rounds)
+        passage = pass_by(curve, end_mm, x, y, start_mm + slope_x * x + slope_y * y, uncertain)
 
         radius, lamp_aside, lamp_facing = gather(self._surface, passage.sample)
         share = passage.distance_mm / radius
