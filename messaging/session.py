@@ -109,11 +109,6 @@ class Session:
     def __init__(self, session: zenoh.Session, process: str) -> None:
         self._session = session
         self._token = session.liveliness().declare_token(f"health/{process}")
-        # a standing subscription: a `get` made while links come up can go on missing tokens for the session's life
-        self._tokens = session.liveliness().declare_subscriber(
-            "health/*", zenoh.handlers.RingChannel(1024), history=True
-        )
-        self._alive: set[str] = set()
 
     def publisher(self, topic: Topic) -> Publisher[Message]:
         """A publisher of this topic."""
@@ -147,14 +142,11 @@ class Session:
         )
 
     def alive(self) -> frozenset[str]:
-        """Names of the processes that are alive on this bench, this one included."""
-        while (change := self._tokens.handler.try_recv()) is not None:
-            name = str(change.key_expr).rpartition("/")[2]
-            if change.kind == zenoh.SampleKind.PUT:
-                self._alive.add(name)
-            else:
-                self._alive.discard(name)
-        return frozenset(self._alive)
+        """Names of the processes that are alive on this bench."""
+        replies = self._session.liveliness().get("health/*", timeout=1.0)
+        return frozenset(
+            str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok is not None
+        )
 
 
 class Newest:
@@ -183,16 +175,19 @@ def open_session(settings: ZenohSettings, bench: str, process: str) -> Iterator[
         },
         "listen": {"endpoints": [settings.listen], "exit_on_failure": True},
     }
-    with _opened(config, settings.listen, bench) as session:
-        yield Session(session, process)
+    with _opened(config, settings.listen, bench) as zenoh_session:
+        # held here, because a process stays alive to others only as long as its token does
+        session = Session(zenoh_session, process)
+        yield session
 
 
 @contextmanager
 def open_rendezvous(settings: ZenohSettings, bench: str) -> Iterator[Session]:
     """The router through which a bench's processes find one another; raises EndpointError when its endpoint is in use."""
     config = {"mode": "router", "listen": {"endpoints": [settings.rendezvous], "exit_on_failure": True}}
-    with _opened(config, settings.rendezvous, bench) as session:
-        yield Session(session, "rendezvous")
+    with _opened(config, settings.rendezvous, bench) as zenoh_session:
+        session = Session(zenoh_session, "rendezvous")
+        yield session
 
 
 @contextmanager
