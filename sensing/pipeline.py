@@ -19,10 +19,10 @@ from sensing.camera import Camera
 from sensing.cold_start import ColdStart, cold_start
 from sensing.errors import NodalPointError, RefusedError
 from sensing.picture import Picture
-from sensing.refinement import Curve, Fit, Prior, Tip, View, refine
+from sensing.refinement import Curve, Fit, Patience, Prior, Tip, View, refine
 
-COLD_ROUNDS = 8
-WARM_ROUNDS = 2
+COLD = Patience(rounds=8, enough_mm=0.01)
+WARM = Patience(rounds=4, enough_mm=0.5)
 BEYOND_TIP_MM = 1.0
 """A nodal point may lie this far beyond the measured tip, or a fiftieth of the length: there the line goes straight on."""
 
@@ -147,7 +147,7 @@ def estimate(
     watch.lap("cold_start")
     views = _views(pictures, scene, backdrops)
     prior = Prior(insertion_mm, scene.length_mm)
-    fits = {tip: refine(views, stages.curve, prior, tip, COLD_ROUNDS) for tip in Tip}
+    fits = {tip: refine(views, stages.curve, prior, tip, COLD) for tip in Tip}
     tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
     watch.lap("refine")
     cold = _judged(fits[tip], tip, scene, prior, backdrops, stages)
@@ -173,7 +173,7 @@ def _warm(
     lift = np.array([0.0, 0.0, insertion_mm - last.insertion_mm])
     start = Curve(last.fit.curve.control_mm + lift, last.fit.curve.length_mm, last.fit.curve.radius_mm)
     prior = Prior(insertion_mm, scene.length_mm)
-    fit = refine(_views(pictures, scene, last.backdrops), start, prior, last.tip, WARM_ROUNDS)
+    fit = refine(_views(pictures, scene, last.backdrops), start, prior, last.tip, WARM)
     watch.lap("refine")
     shape = _judged(fit, last.tip, scene, prior, last.backdrops, None)
     watch.lap("judge")

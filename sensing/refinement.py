@@ -10,7 +10,7 @@ A tube's silhouette is not symmetric about its axis' image: its contour lies nea
 r^2/D, so edges are predicted from there and the perspective bias of the midline cancels.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -85,17 +85,31 @@ class Prior:
 
 
 @dataclass(frozen=True)
+class Patience:
+    """How long to go on: at most so many rounds, and no longer once a round moves no control point by more than this."""
+
+    rounds: int
+    enough_mm: float
+
+
+@dataclass(frozen=True)
 class ViewFit:
-    """How one camera agrees: residual (SAMPLES,) px where `valid`, measured midline (SAMPLES, 2) and half widths in px,
-    the end's residual in px (None: unseen), and the scale at the tip.
+    """How one camera agrees: residual (SAMPLES,) px where `valid` with its derivative (SAMPLES, unknowns), measured
+    midline (SAMPLES, 2) and half widths in px, the silhouette's end (None: unseen), and the scale at the tip.
     """
 
     residual_px: FloatArray
+    derivative: FloatArray
     valid: NDArray[np.bool_]
     middle_px: FloatArray
     half_width_px: FloatArray
     end: "EndFit | None"
     mm_per_px: float
+
+    def moved(self, step: FloatArray) -> "ViewFit":
+        """The same measurement seen from a curve that moved by `step` (unknowns,), to first order."""
+        residual = np.where(self.valid, self.residual_px - self.derivative @ step, 0.0)
+        return replace(self, residual_px=residual, end=self.end.moved(step) if self.end else None)
 
 
 @dataclass(frozen=True)
@@ -106,7 +120,12 @@ class EndFit:
     """
 
     residual_px: float
+    derivative: FloatArray
     outline_px: float
+
+    def moved(self, step: FloatArray) -> "EndFit":
+        """The same end seen from a curve that moved by `step` (unknowns,), to first order."""
+        return replace(self, residual_px=self.residual_px - float(self.derivative @ step))
 
 
 @dataclass(frozen=True)
@@ -153,10 +172,10 @@ def predicted_outline(camera: Camera, fitted: Curve) -> Outline:
     return Outline(middle, middle + side, middle - side, foreshortening)
 
 
-def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, rounds: int) -> Fit:
-    """Gauss-Newton from a starting curve."""
+def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, patience: Patience) -> Fit:
+    """Gauss-Newton from a starting curve; raises RefusedError when the pictures determine none."""
     fitted = start
-    for _ in range(rounds):
+    for _ in range(patience.rounds):
         system = _System(prior, fitted)
         measured = tuple(_measure(view, fitted, tip, system) for view in views)
         step, covariance, cost = system.solve()
@@ -165,6 +184,9 @@ def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, rounds
             fitted.length_mm + float(step[-1]),
             _radius(views, measured, fitted),
         )
+        measured = tuple(view.moved(step) for view in measured)
+        if np.abs(step).max() < patience.enough_mm:
+            break
     return Fit(fitted, covariance, measured, cost)
 
 
@@ -244,6 +266,7 @@ def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:
     end = _measure_end(view, fitted, tip, system)
     return ViewFit(
         residual_px=residual,
+        derivative=rows,
         valid=valid,
         middle_px=(first + second) / 2 + residual[:, None] * normals,
         half_width_px=np.where(valid, pairs.half_width_px, np.nan),
@@ -295,7 +318,7 @@ def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> EndFit
     weights = (END_PX**2 * len(END_LINES)) ** -1 / (1 + (residual / END_SCALE_PX) ** 2)
     system.add(rows, residual, weights)
     even = (residual + residual[::-1]) / 2
-    return EndFit(float(residual.mean()), float(even.std()))
+    return EndFit(float(residual.mean()), rows.mean(axis=0), float(even.std()))
 
 
 def _radius(views: tuple[View, ...], measured: tuple[ViewFit, ...], fitted: Curve) -> FloatArray:
