@@ -53,10 +53,22 @@ def running(bench: Bench, name: str, end_with: int | None) -> Iterator[Process]:
 
 
 def stop_on_signals() -> threading.Event:
-    """An event that SIGTERM, SIGINT and SIGHUP set, instead of ending the process where it stands."""
+    """An event that SIGTERM, SIGINT and SIGHUP set, instead of ending the process where it stands.
+
+    A thread of its own sets it: a handler that interrupts `stop.wait()` would wait for a lock that its own thread holds.
+    """
     stop = threading.Event()
+    woken, wake = os.pipe()
+    os.set_blocking(wake, False)
+    signal.set_wakeup_fd(wake)
     for number in ENDING:
-        signal.signal(number, lambda *_: stop.set())
+        signal.signal(number, lambda *_: None)
+
+    def wait_for_signal() -> None:
+        os.read(woken, 1)
+        stop.set()
+
+    threading.Thread(target=wait_for_signal, name="signals", daemon=True).start()
     return stop
 
 
