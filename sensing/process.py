@@ -30,7 +30,7 @@ from sensing.settings import SensingSettings
 
 logger = logging.getLogger(__name__)
 
-POLL_S = 0.001
+POLL_S = 0.002
 RIG_PERIOD_S = 1.0
 SILENCE_S = 2.0
 STAGE_REPORTS_DEPTH = 256

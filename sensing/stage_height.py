@@ -6,7 +6,8 @@ import numpy as np
 
 from messaging.control import TendonState
 
-KEPT = 600
+KEPT = 100
+"""Half a second of reports, far more than a frame is old."""
 
 
 class StageHeight:

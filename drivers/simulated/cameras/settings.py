@@ -64,7 +64,7 @@ class SensorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     lens_blur_px: Annotated[float, msgspec.Meta(ge=0, le=20)] = 1.0
     noise_levels: Annotated[float, msgspec.Meta(ge=0, le=30)] = 2.0
     """Standard deviation in every pixel and channel."""
-    jpeg_quality: Annotated[int, msgspec.Meta(ge=30, le=100)] = 85
+    jpeg_quality: Annotated[int, msgspec.Meta(ge=30, le=100)] = 80
     phase_s: Annotated[float, msgspec.Meta(ge=0, le=0.01)] = 0.003
     """Each camera keeps its own phase, drawn once from plus or minus this much."""
     jitter_s: Annotated[float, msgspec.Meta(ge=0, le=0.001)] = 0.0001
