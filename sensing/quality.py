@@ -14,7 +14,7 @@ from sensing.pairing import triangulate
 from sensing.refinement import Fit, Prior, predicted_outline
 from sensing.segmentation import Mask, small_pixels
 
-LARGE_RESIDUAL_PX = 0.8
+LARGE_RESIDUAL_PX = 0.6
 STRETCH = curve.SAMPLES // 15
 LARGE_STRETCH_PX = 3.0
 """Mean residual over as many neighbouring normals: a stretch that disagrees drowns in the curve's RMS."""
@@ -24,6 +24,8 @@ LARGE_RAY_GAP_MM = 0.4
 LARGE_SPREAD_MM = 0.6
 """A nodal point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 LENGTH_TOLERANCE_MM = 1.0
+END_TOLERANCE_MM = 0.5
+"""By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
 
@@ -79,7 +81,7 @@ def flags(
         Flag.LARGE_RAY_GAP: not ray_gap_mm(cameras, fit) < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
         Flag.TIP_UNSEEN: not end_mm,
-        Flag.LENGTH_MISMATCH: too_long or any(gap > LENGTH_TOLERANCE_MM for gap in end_mm),
+        Flag.LENGTH_MISMATCH: too_long or any(gap > END_TOLERANCE_MM for gap in end_mm),
         Flag.MERGED_SILHOUETTE: merged,
     }
     return tuple(flag for flag, raised in found.items() if raised)
