@@ -13,5 +13,3 @@ Labels = NDArray[np.int16]
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3) blue, green, red."""
 Mask = NDArray[np.bool_]
-Plane = NDArray[np.uint8]
-"""(rows, columns) of one colour."""

@@ -1,14 +1,14 @@
 """The part of a picture that is drawn anew: its pixels, and how far away what they show is."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels, Plane
+from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels
 
 _STEP_VARIANCE = 20 / 12  # of a box over that of the slope of a smooth step
 
@@ -60,10 +60,10 @@ class Fragments:
 class Canvas:
     """A window of a picture, on which bodies are painted."""
 
-    def __init__(self, planes: Sequence[Plane], window: Window) -> None:
-        """`planes` are the blue, green and red of the whole picture without the robot; they are left as they are."""
+    def __init__(self, behind: Pixels, window: Window) -> None:
+        """`behind` is the whole picture without the robot; it is left as it is."""
         self.window = window
-        self._planes = [plane[window.slices].copy() for plane in planes]
+        self._planes = cv2.split(behind[window.slices])
         self._depth_mm = np.full(window.shape[0] * window.shape[1], np.inf, np.float32)
 
     @property

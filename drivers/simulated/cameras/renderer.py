@@ -63,8 +63,8 @@ class Renderer:
         body, blur_px = self._settings.body, self._settings.sensor.lens_blur_px
         base_mm = (opened_mm[0] + closed_mm[0]) / 2
         curve = see_curve(opened_mm, closed_mm, max(body.diameter_mm), self._projection)
-        planes = self._holder.planes(base_mm)
-        canvas = Canvas(planes, self._window(curve))
+        behind = self._holder.before_backdrop(base_mm)
+        canvas = Canvas(behind, self._window(curve))
         for fragments in self._tube(curve).fragments(self._projection, canvas.window, self._light, blur_px):
             canvas.paint(fragments)
         canvas.paint(self._disks(curve).fragments(self._projection, canvas.window, self._light, blur_px))
