@@ -61,10 +61,10 @@ class Reference:
     def at(self, now_s: float) -> Desired:
         """Where nodal points should be and how fast they should move."""
         path = _path(self.target, self.path_s(now_s))
-        elapsed_s = now_s - self.start_s
+        elapsed_s = max(now_s - self.start_s, 0.0)
         if elapsed_s >= self.approach_s:
             return path
-        u = max(elapsed_s, 0.0) / self.approach_s
+        u = elapsed_s / self.approach_s
         way = path.node_mm - self.start_mm
         return Desired(
             node_mm=self.start_mm + u**3 * (10 - 15 * u + 6 * u**2) * way,

@@ -98,8 +98,8 @@ def _compare(reference: Reference, points: Points, measured: Measurement) -> dic
 
 
 def straight_target(shape: ShapeEstimate) -> Target:
-    """Every nodal point on the axis, at the height at which it is seen: a straight robot cannot change heights."""
-    on_axis = shape.node_mm * [0.0, 0.0, 1.0]
+    """Every nodal point on the axis, where it is on a straight robot."""
+    on_axis = np.outer(shape.insertion_mm + shape.node_arc_mm, [0.0, 0.0, 1.0])
     return Target(
         name="straight",
         node_names=shape.node_names,

@@ -36,7 +36,7 @@ class Checked:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if shape := field.metadata.get("shape"):
-                if not isinstance(value, tuple):
+                if field.type is FloatArray:
                     value = self._frozen_array(field.name, value)
                     object.__setattr__(self, field.name, value)
                 self._check_shape(field.name, np.shape(value), shape, sizes)

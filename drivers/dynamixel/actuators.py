@@ -39,7 +39,7 @@ class TendonActuators:
         self._axes: list[Axis] = []
 
     def open(self) -> None:
-        """Reach and check every servo, relax it, set what its RAM needs; its position becomes 0 mm.
+        """Reach and check every servo, relax it, set what its RAM needs; its position, or its `zero_ticks`, becomes 0 mm.
 
         Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError; the port is then closed again.
         """
@@ -53,7 +53,12 @@ class TendonActuators:
             for axis in self._axes:
                 check_setup(self._bus, axis.settings, axis.model)
                 configure(self._bus, axis, self._settings)
-            self.set_zero(np.zeros(len(self._settings.tendons)), 0.0)
+            self._axes = [
+                axis.zeroed(
+                    block.position if axis.settings.zero_ticks is None else axis.settings.zero_ticks, 0.0
+                )
+                for axis, block in zip(self._axes, self._feedback(), strict=True)
+            ]
         except BaseException:
             self._bus.close()
             raise

@@ -22,6 +22,9 @@ class AxisSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     min_mm: float
     max_mm: float
     max_current_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)]
+    zero_ticks: Annotated[int, msgspec.Meta(ge=-1_048_575, le=1_048_575)] | None = None
+    """The servo's own position that is called 0 mm, so that a stage keeps its place when the controller starts anew; without
+    it 0 mm is where the servo stands when the port is opened, which is right for tendons: homing finds their zero."""
 
     def __post_init__(self) -> None:
         """Check what the bounds of single fields cannot say."""

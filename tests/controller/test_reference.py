@@ -128,3 +128,10 @@ def test_watched_points_may_be_anywhere(check):
     )
     check(watched)
     assert Reference.towards(watched, np.zeros((2, 3)), 0.0, 10.0).approach_s < 60.0
+
+
+def test_a_path_that_begins_where_the_robot_is_has_no_approach_and_may_be_asked_about_the_past():
+    """The shape that a new target is compared with was taken before the target came."""
+    reference = Reference.towards(line(), np.array([[0.0, 0.0, 84.0]]), 5.0, 10.0)
+    assert reference.approach_s == 0
+    np.testing.assert_allclose(reference.at(4.95).node_mm, [[0.0, 0.0, 84.0]])

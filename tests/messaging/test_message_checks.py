@@ -175,3 +175,9 @@ def test_an_estimate_is_trusted_only_without_flag_and_refusal():
     assert ESTIMATE.trusted
     assert not dataclasses.replace(ESTIMATE, flags=(Flag.TIP_UNSEEN,)).trusted
     assert not dataclasses.replace(ESTIMATE, refusal="no robot in view").trusted
+
+
+def test_tuples_of_numbers_become_arrays():
+    points = NodalPoints(names=("a", "b"), arc_mm=(10, 20))
+    assert isinstance(points.arc_mm, np.ndarray)
+    assert not points.arc_mm.flags.writeable

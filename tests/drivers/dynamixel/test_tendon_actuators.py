@@ -322,3 +322,16 @@ def test_an_unplugged_bus_can_be_opened_again(make_bench, settings):
 def test_a_refused_register_is_an_error_that_says_so(bench, actuators):
     with pytest.raises(StatusError, match="beyond a limit"):
         actuators._set(table.GOAL_CURRENT, 2000)
+
+
+def test_a_stage_keeps_its_place_over_a_restart_when_its_zero_is_known(bench, settings):
+    stage = msgspec.structs.replace(settings.stage, zero_ticks=2048)
+    settings = msgspec.structs.replace(settings, stage=stage)
+    with TendonActuators(settings) as actuators:
+        assert actuators.read().insertion_mm == pytest.approx(0.0, abs=TICK_MM)
+        actuators.enable()
+        hold(actuators, bench, [1.0, 0.0, 0.0, 0.0], 3.0)
+    with TendonActuators(settings) as actuators:
+        state = actuators.read()
+    assert state.insertion_mm == pytest.approx(3.0, abs=0.1)
+    assert np.array_equal(state.displacement_mm, np.zeros(4))
