@@ -58,10 +58,13 @@ class Backdrop:
             distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
             scale = 2.0 * np.median(distance) + 1.0
             weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
-        grid_y, grid_x = np.mgrid[0:height:SCALE, 0:width:SCALE]
-        surface = _surface_terms(grid_x.ravel() / width - 0.5, grid_y.ravel() / height - 0.5) @ coefficients
-        coarse = surface.reshape(*grid_x.shape, 3).clip(0, 255).astype(np.float32)
-        whole = np.asarray(cv2.resize(coarse, (width, height)).round(), dtype=np.uint8)
+        columns, rows = width // FIT_STRIDE, height // FIT_STRIDE
+        centres_y, centres_x = np.mgrid[0:rows, 0:columns]
+        across = (centres_x.ravel() + 0.5) / columns - 0.5 / width - 0.5
+        down = (centres_y.ravel() + 0.5) / rows - 0.5 / height - 0.5
+        surface = (_surface_terms(across, down) @ coefficients).reshape(rows, columns, 3).astype(np.float32)
+        smooth = cv2.resize(surface, (width, height), interpolation=cv2.INTER_LINEAR)
+        whole = np.asarray(smooth.clip(0, 255).round(), dtype=np.uint8)
         return cls(whole, reduced(whole), luma(whole))
 
     def distance(self, small: Image) -> FloatArray:
