@@ -20,7 +20,7 @@ from messaging import topics
 from messaging.control import Reply, TendonState
 from messaging.errors import NodalError
 from messaging.frames import CameraCalibration, Frame
-from messaging.session import Query, Session, Subscription
+from messaging.session import Newest, Query, Session
 from messaging.settings import RobotSettings
 from messaging.shape import NodalPoints
 from messaging.views import CameraPoseView, CameraView, CentrelineView, NodalPointsView
@@ -33,7 +33,6 @@ logger = logging.getLogger(__name__)
 POLL_S = 0.002
 RIG_PERIOD_S = 1.0
 SILENCE_S = 2.0
-STAGE_REPORTS_DEPTH = 256
 
 
 def run(
@@ -56,13 +55,12 @@ def run(
     )
     sensor = Sensor(scene, _configured(settings), robot.length_mm, settings.stage_age_limit_s)
     speaker = _Speaker(session, calibrations)
-    stage_reports = session.every(topics.TENDON_STATE, STAGE_REPORTS_DEPTH)
+    stage_reports = session.newest(topics.TENDON_STATE)
     questions = session.answers(topics.SENSING_NODES)
     pairing = FrameSetPairing(tuple(cameras), settings.maximum_skew_s)
     silence = SilenceWatch(cameras, SILENCE_S, time.monotonic())
     with open_cameras(cameras, session) as sources:
         while not stop.is_set():
-            _hear(sensor, stage_reports)
             while (question := questions.take()) is not None:
                 question.reply(_renamed(sensor, question))
             frames = [frame for source in sources if (frame := source.read()) is not None]
@@ -71,6 +69,7 @@ def run(
             for frame_set in frame_sets:
                 speaker.say_frames(frame_set)
             if frame_sets:
+                _hear(sensor, stage_reports)
                 # what has piled up is published for the log, but only the newest set is worth an estimate
                 speaker.say_estimate(sensor, frame_sets[-1])
             else:
@@ -135,11 +134,14 @@ def _configured(settings: SensingSettings) -> NodalPoints:
     )
 
 
-def _hear(sensor: Sensor, stage_reports: Subscription) -> None:
-    """Hand on what the stage reports; what is not a report is logged and left out."""
+def _hear(sensor: Sensor, stage_reports: Newest) -> None:
+    """Hand on where the stage is; what is not a report is logged and left out.
+
+    One report for each frame set is enough: frames are older than the newest report, and the stage moves evenly between.
+    """
     try:
-        while (report := stage_reports.take()) is not None:
-            sensor.heard(TendonState.from_bytes(report.payload))
+        if (taken := stage_reports.take()) is not None and isinstance(taken[0], TendonState):
+            sensor.heard(taken[0])
     except NodalError as error:
         logger.warning("%s: %s", topics.TENDON_STATE.key, error)
 

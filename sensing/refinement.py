@@ -95,14 +95,15 @@ class Patience:
 @dataclass(frozen=True)
 class ViewFit:
     """How one camera agrees: residual (SAMPLES,) px where `valid` with its derivative (SAMPLES, unknowns), measured
-    midline (SAMPLES, 2) and half widths in px, the silhouette's end (None: unseen), and the scale at the tip.
+    midline (SAMPLES, 2) in px, the tube's radius (SAMPLES,) in mm or NaN, the silhouette's end (None: unseen), and the
+    scale at the tip.
     """
 
     residual_px: FloatArray
     derivative: FloatArray
     valid: NDArray[np.bool_]
     middle_px: FloatArray
-    half_width_px: FloatArray
+    radius_mm: FloatArray
     end: "EndFit | None"
     mm_per_px: float
 
@@ -182,7 +183,7 @@ def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, patien
         fitted = Curve(
             fitted.control_mm + step[:-1].reshape(-1, 3),
             fitted.length_mm + float(step[-1]),
-            _radius(views, measured, fitted),
+            _radius(measured, fitted),
         )
         measured = tuple(view.moved(step) for view in measured)
         if np.abs(step).max() < patience.enough_mm:
@@ -269,7 +270,7 @@ def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:
         derivative=rows,
         valid=valid,
         middle_px=(first + second) / 2 + residual[:, None] * normals,
-        half_width_px=np.where(valid, pairs.half_width_px, np.nan),
+        radius_mm=np.where(valid, ratio * fitted.radius_mm, np.nan),
         end=end,
         mm_per_px=2 * float(fitted.radius_mm[-1]) / max(float(width[-1]), 1e-9),
     )
@@ -321,18 +322,14 @@ def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> EndFit
     return EndFit(float(residual.mean()), rows.mean(axis=0), float(even.std()))
 
 
-def _radius(views: tuple[View, ...], measured: tuple[ViewFit, ...], fitted: Curve) -> FloatArray:
+def _radius(measured: tuple[ViewFit, ...], fitted: Curve) -> FloatArray:
     """The tube's radius (SAMPLES,) in mm along the curve: a low running quantile of what all cameras measured.
 
     The window is wider than the pitch of spacer disks, and the quantile low, so that disks do not count.
     """
-    widths = []
-    for view, fit in zip(views, measured, strict=True):
-        outline = predicted_outline(view.camera, fitted)
-        across = view.camera.project(outline.one) - view.camera.project(outline.other)
-        widths.append(fit.half_width_px / (np.linalg.norm(across, axis=1) / 2) * fitted.radius_mm)
     margin = RADIUS_WINDOW // 2
-    padded = np.pad(np.array(widths), ((0, 0), (margin, margin)), constant_values=np.nan)
+    radii = np.array([view.radius_mm for view in measured])
+    padded = np.pad(radii, ((0, 0), (margin, margin)), constant_values=np.nan)
     windows = np.lib.stride_tricks.sliding_window_view(padded, RADIUS_WINDOW + 1, axis=1)
     pooled = np.sort(np.moveaxis(windows, 1, 0).reshape(fitted.radius_mm.size, -1), axis=1)
     known = np.count_nonzero(~np.isnan(pooled), axis=1)

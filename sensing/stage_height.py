@@ -7,7 +7,7 @@ import numpy as np
 from messaging.control import TendonState
 
 KEPT = 100
-"""Half a second of reports, far more than a frame is old."""
+"""Reports; far more than a frame is old."""
 
 
 class StageHeight:
