@@ -1,14 +1,12 @@
 """The part of a picture that is drawn anew: its pixels, and how far away what they show is."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from drivers.simulated.cameras.arrays import Flat, Index, Labels, Pixels
+from drivers.simulated.cameras.arrays import Flat, Index, Pixels
 
 _STEP_VARIANCE = 20 / 12  # of a box over that of the slope of a smooth step
 
@@ -36,11 +34,6 @@ class Window:
     def corner(self) -> tuple[int, int]:
         """Column and row of the first pixel."""
         return self.left, self.top
-
-    def in_picture(self, index: Index, width_px: int) -> Index:
-        """Places in the window, counted row by row, as places in a picture of this width."""
-        rows = index // (self.right - self.left)
-        return index + rows * (width_px - self.right + self.left) + (self.top * width_px + self.left)
 
 
 @dataclass(frozen=True)
@@ -82,38 +75,18 @@ class Canvas:
         self._depth_mm[body.index] = np.where(cover > 0.5, body.depth_mm, behind_mm)
 
 
-def covered(
-    inside_px: Flat, motion_px: Callable[[Index], Flat], most_motion_px: float, lens_blur_px: float
-) -> Flat:
-    """Share (m,) of pixels whose centres lie (m,) inside an edge that moves across itself while the shutter is open.
+def covered(inside_px: Flat, motion_px: Flat, lens_blur_px: float) -> Flat:
+    """Share of pixels whose centres lie inside an edge that moves across itself while the shutter is open.
 
     A smooth step of the width whose variance is that of a pixel, the lens and the motion together; at the edge it is
-    1/2. `motion_px` is asked for the pixels near an edge only.
+    1/2. Arrays of any shapes that broadcast.
     """
-    cover = (inside_px > 0).astype(np.float32)
-    near = np.flatnonzero(np.abs(inside_px) < edge_reach_px(most_motion_px, lens_blur_px))
-    variance_px2 = np.square(motion_px(near)) + np.float32(1 + lens_blur_px**2)
-    step = inside_px[near] / np.sqrt(variance_px2 * np.float32(_STEP_VARIANCE)) + np.float32(0.5)
-    step = np.clip(step, 0, 1)
-    cover[near] = step * step * (3 - 2 * step)
-    return cover
+    variance_px2 = motion_px * motion_px + np.float32(1 + lens_blur_px**2)
+    step = inside_px / np.sqrt(variance_px2 * np.float32(_STEP_VARIANCE)) + np.float32(0.5)
+    np.clip(step, 0, 1, out=step)
+    return step * step * (3 - 2 * step)
 
 
 def edge_reach_px(motion_px: float, lens_blur_px: float) -> float:
-    """How far outside an edge pixels are still covered in part, and one pixel more."""
-    return 1 + math.sqrt((1 + lens_blur_px**2 + motion_px**2) * _STEP_VARIANCE) / 2
-
-
-def label_map(window: Window) -> Labels:
-    """An empty map of the window, for drawing which part of a body a pixel may show."""
-    return np.zeros(window.shape, np.int16)
-
-
-def labelled(labels: Labels) -> Index:
-    """(m,) where a map has labels, row by row."""
-    return np.flatnonzero(labels != 0)
-
-
-def draw_outline(labels: Labels, outline_px: NDArray[np.int32], label: int) -> None:
-    """Label the inside of a convex outline (k, 2) in the window's pixels."""
-    cv2.fillConvexPoly(labels, outline_px, label)
+    """How far outside an edge pixels are still covered in part."""
+    return math.sqrt((1 + lens_blur_px**2 + motion_px**2) * _STEP_VARIANCE) / 2

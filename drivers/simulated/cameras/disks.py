@@ -6,20 +6,14 @@ import cv2
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Flat, Index, Labels
-from drivers.simulated.cameras.canvas import (
-    Fragments,
-    Window,
-    covered,
-    draw_outline,
-    edge_reach_px,
-    label_map,
-    labelled,
-)
+from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px
+from drivers.simulated.cameras.cells import Cells, cells_reached, in_cells, label_map
 from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import dot, gather
 from drivers.simulated.cameras.projection import Projection
 
 _CIRCLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+_SQUARE = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
 _STEEPEST = np.float32(1e-4)
 _TINY = np.float32(1e-9)
 
@@ -45,24 +39,18 @@ class Disks:
     ) -> Fragments:
         """What the window shows of the disks. A pixel shows one disk, the nearest."""
         labels = self._draw_labels(projection, window, lens_blur_px)
-        index = labelled(labels)
-        disk = labels.reshape(-1).take(index).astype(np.intp) - 1
-        x, y = projection.rays(window.in_picture(index, projection.width_px))
+        cells = Cells.labelled(labels, window, projection.width_px)
+        # not spread from cells: a disk's edges have corners
+        disk = np.tile(cells.part, len(cells.place))
+        x, y = projection.rays(cells.place_in_picture.reshape(-1))
         ray = np.stack([x, y, np.ones_like(x)])
         meeting = self._meet(ray, disk)
         px_per_mm = gather(self._scale(projection)[:, None], disk)[0]
-
-        def motion_px(which: Index) -> Flat:
-            motion_mm = gather(self.motion_mm, disk[which])
-            moved: Flat = dot(motion_mm, meeting.outwards.take(which, axis=1)) * px_per_mm[which]
-            return moved
-
+        motion_px = dot(gather(self.motion_mm, disk), meeting.outwards) * px_per_mm
         lit = light.brightness(light.direction.astype(np.float32) @ meeting.normal)
         return Fragments(
-            index=index,
-            cover=covered(
-                meeting.inside_mm * px_per_mm, motion_px, self._most_motion_px(projection), lens_blur_px
-            ),
+            index=cells.place.reshape(-1),
+            cover=covered(meeting.inside_mm * px_per_mm, motion_px, lens_blur_px),
             colour=self.colour.astype(np.float32)[:, None] * lit,
             depth_mm=meeting.depth_mm,
         )
@@ -105,14 +93,15 @@ class Disks:
         return float(moved_px.max(initial=0))
 
     def _draw_labels(self, projection: Projection, window: Window, lens_blur_px: float) -> Labels:
+        """The surroundings of all disks lie below the disks themselves, nearer ones above farther ones."""
         labels = label_map(window)
-        outlines = projection.to_pixels(self._rims_mm()) - window.corner
-        outwards = outlines - outlines.mean(axis=1, keepdims=True)
-        outwards /= np.maximum(np.linalg.norm(outwards, axis=2, keepdims=True), 1e-9)
-        outlines += outwards * edge_reach_px(self._most_motion_px(projection), lens_blur_px)
-        for disk in np.argsort(-self.centre_mm[:, 2]):
-            hull = cv2.convexHull(outlines[disk].astype(np.float32))[:, 0]
-            draw_outline(labels, np.rint(hull).astype(np.int32), int(disk) + 1)
+        rims = in_cells(projection.to_pixels(self._rims_mm()), window).astype(np.float32)
+        reach = cells_reached(edge_reach_px(self._most_motion_px(projection), lens_blur_px))
+        far_first = np.argsort(-self.centre_mm[:, 2]).tolist()
+        for around in (reach * _SQUARE, np.zeros((1, 2))):
+            for disk in far_first:
+                hull = cv2.convexHull((rims[disk][:, None] + around.astype(np.float32)).reshape(-1, 2))
+                cv2.fillConvexPoly(labels, np.rint(hull).astype(np.int32), disk + 1)
         return labels
 
     def _rims_mm(self) -> Array:

@@ -30,12 +30,14 @@ class Passage:
     """(m,) of the ray's point, along the view."""
     obliquity: Flat
     """(m,) sine of the angle between the ray and the tube, times the length of (x, y, 1)."""
+    aside: Flat
+    """(3, m) unit vectors across the ray and the tube, the way that `sideways_mm` counts."""
 
-    def outwards(self, which: Index) -> Flat:
-        """(3, k) unit vectors from the centreline to some of the rays (k,)."""
-        depth, point = self.depth_mm[which], self.point_mm.take(which, axis=1)
-        ray = np.stack([depth * self.ray[0][which], depth * self.ray[1][which], depth])
-        away: Flat = (ray - point) / np.maximum(self.distance_mm[which], _TINY)
+    @property
+    def outwards(self) -> Flat:
+        """(3, m) unit vectors from the centreline to the rays."""
+        ray = np.stack([self.depth_mm * self.ray[0], self.depth_mm * self.ray[1], self.depth_mm])
+        away: Flat = (ray - self.point_mm) / np.maximum(self.distance_mm, _TINY)
         return away
 
 
@@ -62,6 +64,7 @@ def pass_by(curve: Curve, end_mm: float, x: Flat, y: Flat, start_mm: Flat, uncer
         ray=(x, y),
         depth_mm=(point[0] * x + point[1] * y + point[2]) / ray2,
         obliquity=obliquity,
+        aside=turn / obliquity,
     )
 
 

@@ -1,4 +1,4 @@
-"""Which piece of a tube a pixel may show, roughly: strips along its projected middle, drawn with their numbers."""
+"""Which piece of a tube a cell of pixels may show, roughly: strips along its projected middle, drawn with their numbers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,16 +7,17 @@ import cv2
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Index, Labels, Mask
-from drivers.simulated.cameras.canvas import Window, draw_outline, label_map
+from drivers.simulated.cameras.canvas import Window
+from drivers.simulated.cameras.cells import label_map
 
 
 @dataclass(frozen=True)
 class Strips:
-    """Pieces of a tube between k points along its middle."""
+    """Pieces of a tube between k points along its middle. Lengths are in cells."""
 
-    middle_px: Array
-    """(k, 2) in the window's pixels."""
-    reach_px: Array
+    middle: Array
+    """(k, 2) columns and rows."""
+    reach: Array
     """(k,) half the width that is drawn."""
     depth_mm: Array
     """(k,)."""
@@ -27,11 +28,11 @@ class Strips:
         """Maps of 1 + the number of the piece: of what the tube may hide of itself, if anything, then of what is in front."""
         far_first = np.argsort(-self.depth_mm)
         front = self._draw(window, far_first)
-        along_px = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.middle_px, axis=0), axis=1))])
-        apart_px = np.pi * float(self.reach_px.max())
-        if self._meets_itself(along_px, apart_px):
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.middle, axis=0), axis=1))])
+        apart = np.pi * float(self.reach.max())
+        if self._meets_itself(along, apart):
             back = self._draw(window, far_first[::-1])
-            back[np.abs(along_px[back - 1] - along_px[front - 1]) < apart_px] = 0
+            back[np.abs(along[back - 1] - along[front - 1]) < apart] = 0
             yield back
         yield front
 
@@ -41,21 +42,21 @@ class Strips:
         Discs lie below all strips: they matter only where a piece is seen end on, and at the tip.
         """
         labels = label_map(window)
-        along = np.gradient(self.middle_px, axis=0)
+        along = np.gradient(self.middle, axis=0)
         along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
-        across = np.column_stack([-along[:, 1], along[:, 0]]) * self.reach_px[:, None]
-        left, right = self.middle_px + across, self.middle_px - across
+        across = np.column_stack([-along[:, 1], along[:, 0]]) * self.reach[:, None]
+        left, right = self.middle + across, self.middle - across
         outlines = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=1)
         rounded = np.rint(outlines).astype(np.int32)
         last = len(rounded)
         for piece in order[self.end_on[order] | (order == last)].tolist():
-            column, row = np.rint(self.middle_px[piece]).astype(int).tolist()
-            cv2.circle(labels, (column, row), int(self.reach_px[piece]) + 1, piece + 1, cv2.FILLED)
+            column, row = np.rint(self.middle[piece]).astype(int).tolist()
+            cv2.circle(labels, (column, row), int(self.reach[piece]) + 1, piece + 1, cv2.FILLED)
         for piece in order[order < last].tolist():
-            draw_outline(labels, rounded[piece], piece + 1)
+            cv2.fillConvexPoly(labels, rounded[piece], piece + 1)
         return labels
 
-    def _meets_itself(self, along_px: Array, apart_px: float) -> bool:
-        place = self.middle_px @ [1, 1j]
-        near = np.abs(place[:, None] - place[None]) < 2 * float(self.reach_px.max())
-        return bool((near & (np.abs(along_px[:, None] - along_px[None]) > apart_px)).any())
+    def _meets_itself(self, along: Array, apart: float) -> bool:
+        place = self.middle @ [1, 1j]
+        near = np.abs(place[:, None] - place[None]) < 2 * float(self.reach.max())
+        return bool((near & (np.abs(along[:, None] - along[None]) > apart)).any())

@@ -1,15 +1,16 @@
 """The robot's tube, pixel by pixel: the envelope of spheres along the centreline, seen in exact perspective.
 
-For each pixel near the projected centreline the sphere that the pixel's ray meets deepest is sought; the ray's distance
-from its middle, against its radius, says how much of the pixel is covered. The last sphere is the round tip.
+For each cell of pixels near the projected centreline the sphere that the ray of its middle meets deepest is sought; the
+ray's distance from the sphere's middle, spread to the pixels, says against its radius how much of each is covered. The last sphere is the round tip.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.cameras.arrays import Array, Flat, Index, Labels, Mask
-from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px, labelled
+from drivers.simulated.cameras.arrays import Array, Flat, Labels, Mask
+from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px
+from drivers.simulated.cameras.cells import Cells, cells_reached, in_cells, spread
 from drivers.simulated.cameras.curve import Curve
 from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import Passage, dot, gather, pass_by
@@ -35,18 +36,18 @@ class Tube:
         curve = self.curve
         scale = projection.focal_px / curve.points_mm[:, 2]
         motion_px = float((np.linalg.norm(curve.motion_mm, axis=1) * scale).max())
-        reach_px = self.radius_mm * scale + edge_reach_px(motion_px, lens_blur_px)
+        reach = cells_reached(self.radius_mm * scale + edge_reach_px(motion_px, lens_blur_px))
         pieces = curve.points_mm[::_SAMPLES_PER_PIECE]
         obliquity = np.linalg.norm(np.cross(curve.tangents, curve.points_mm), axis=1)
         end_on = (obliquity < _END_ON * curve.points_mm[:, 2])[::_SAMPLES_PER_PIECE]
         strips = Strips(
-            middle_px=projection.to_pixels(pieces) - window.corner,
-            reach_px=reach_px[::_SAMPLES_PER_PIECE],
+            middle=in_cells(projection.to_pixels(pieces), window),
+            reach=reach[::_SAMPLES_PER_PIECE],
             depth_mm=pieces[:, 2],
             end_on=end_on,
         )
         look = _Look(self, projection, light, end_on)
-        return [look.fragments(labels, window, motion_px, lens_blur_px) for labels in strips.layers(window)]
+        return [look.fragments(labels, window, lens_blur_px) for labels in strips.layers(window)]
 
 
 class _Look:
@@ -67,50 +68,47 @@ class _Look:
         self._end_on = end_on
         self._base_height_mm = np.float32(base_mm @ projection.rotation[:, 2])
 
-    def fragments(
-        self, labels: Labels, window: Window, most_motion_px: float, lens_blur_px: float
-    ) -> Fragments:
-        """What the tube contributes to the labelled pixels of the window."""
-        curve = self._tube.curve
-        index = labelled(labels)
-        x, y = self._projection.rays(window.in_picture(index, self._projection.width_px))
-        piece = labels.reshape(-1).take(index).astype(np.intp) - 1
-        start_mm, slope_x, slope_y = gather(self._start, piece)
-        uncertain = np.flatnonzero(self._end_on[piece])
+    def fragments(self, labels: Labels, window: Window, lens_blur_px: float) -> Fragments:
+        """What the tube contributes to the labelled cells of the window."""
+        curve, focal_px = self._tube.curve, np.float32(self._projection.focal_px)
+        cells = Cells.labelled(labels, window, self._projection.width_px)
+        x, y = cells.middle_rays(self._projection)
+        start_mm, slope_x, slope_y = gather(self._start, cells.part)
+        uncertain = np.flatnonzero(self._end_on[cells.part])
         end_mm = curve.length_mm - float(self._tube.radius_mm[-1]) - float(curve.arc_mm[0])
         passage = pass_by(curve, end_mm, x, y, start_mm + slope_x * x + slope_y * y, uncertain)
 
-        radius, lamp_aside, lamp_facing = gather(self._surface, passage.sample)
-        share = passage.distance_mm / radius
-        sideways = passage.sideways_mm / radius
-        outwards = np.sqrt(np.maximum(1 - share * share, 0))
-        px_per_mm = np.float32(self._projection.focal_px) / passage.depth_mm
-        inside_px = (radius - passage.distance_mm) * px_per_mm
+        radius_mm, lamp_aside, lamp_facing = gather(self._surface, passage.sample)
+        px_per_mm = focal_px / passage.depth_mm
+        radius_px = radius_mm * px_per_mm
+        outwards, aside = passage.outwards, passage.aside
+        distance_px = np.abs(spread(passage.distance_mm * px_per_mm, outwards[:2]))
+        sideways = spread(passage.sideways_mm * px_per_mm, aside[:2]) / radius_px
+        share = distance_px / radius_px
+        facing = np.sqrt(np.maximum(1 - share * share, 0))
+        depth_mm = passage.depth_mm - radius_mm / passage.obliquity * facing
 
-        def motion_px(which: Index) -> Flat:
-            motion_mm = gather(curve.motion_mm, passage.sample[which])
-            return dot(motion_mm, passage.outwards(which)) * px_per_mm[which]
-
-        cover = covered(inside_px, motion_px, most_motion_px, lens_blur_px)
-        hit_depth_mm = passage.depth_mm - radius * outwards / passage.obliquity
-        self._sink_base(cover, passage, hit_depth_mm)
-        lit = self._light.brightness(lamp_aside * sideways + lamp_facing * outwards)
+        motion_px = dot(gather(curve.motion_mm, passage.sample), outwards) * px_per_mm
+        cover = covered(radius_px - distance_px, motion_px, lens_blur_px)
+        self._sink_base(cover, passage, depth_mm)
+        lit = self._light.brightness(lamp_aside * sideways + lamp_facing * facing)
         return Fragments(
-            index=index,
-            cover=cover,
-            colour=gather(self._tube.colour, passage.sample) * lit,
-            depth_mm=hit_depth_mm,
+            index=cells.place.reshape(-1),
+            cover=cover.reshape(-1),
+            colour=(gather(self._tube.colour, passage.sample)[:, None] * lit).reshape(3, -1),
+            depth_mm=depth_mm.reshape(-1),
         )
 
-    def _sink_base(self, cover: Flat, passage: Passage, hit_depth_mm: Flat) -> None:
-        """Uncover what lies below the plane of the base, inside the holder."""
+    def _sink_base(self, cover: Flat, passage: Passage, depth_mm: Flat) -> None:
+        """Uncover what lies below the plane of the base, inside the holder: cover and depth are (4, m)."""
         above = np.searchsorted(self._tube.curve.arc_mm, 2 * self._tube.radius_mm[0])
         low = np.flatnonzero(passage.sample < above)
         up = self._projection.rotation[:, 2].astype(np.float32)
-        depth = hit_depth_mm[low]
         rise = up[0] * passage.ray[0][low] + up[1] * passage.ray[1][low] + up[2]
-        above_px = (depth * rise - self._base_height_mm) * np.float32(self._projection.focal_px) / depth
-        cover[low] *= np.clip(0.5 + above_px, 0, 1)
+        focal_px = np.float32(self._projection.focal_px)
+        rise_px = spread(rise * focal_px, np.repeat(up[:2, None], len(low), axis=1))
+        above_px = rise_px - self._base_height_mm * focal_px / depth_mm[:, low]
+        cover[:, low] *= np.clip(0.5 + above_px, 0, 1)
 
 
 def _along_pieces(curve: Curve, end_on: Mask) -> Array:
