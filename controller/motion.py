@@ -64,7 +64,13 @@ class Motion:
             target, state.seen.shape.node_mm, now_s, self._settings.homing.node_speed_mm_s
         )
         return tasks.begin(
-            self._law, reference, state.seen, self._pairs_only, command_mm=state.command_mm, now_s=now_s
+            self._law,
+            reference,
+            state.seen,
+            self._pairs_only,
+            before=None,
+            command_mm=state.command_mm,
+            now_s=now_s,
         )
 
     def _tracking(self, state: LoopState, now_s: float, *, led: bool) -> Task | None:
@@ -79,7 +85,13 @@ class Motion:
             state.joined_s,
         )
         return tasks.begin(
-            self._law, reference, state.seen, self._all_axes, command_mm=state.command_mm, now_s=now_s
+            self._law,
+            reference,
+            state.seen,
+            self._all_axes,
+            before=state.task,
+            command_mm=state.command_mm,
+            now_s=now_s,
         )
 
     def move(

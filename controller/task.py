@@ -44,6 +44,16 @@ class Task:
     error_mm: float
     """Weighted RMS distance between the two."""
 
+    def leads_the_same(self, target: Target, points: Points) -> bool:
+        """True when `points` of `target` are this task's, and weigh and move alike."""
+        mine = self.points
+        return (
+            self.reference.target.node_names == target.node_names
+            and np.array_equal(mine.weights, points.weights)
+            and np.array_equal(mine.movable, points.movable)
+            and bool(np.abs(mine.arc_mm - points.arc_mm).max() < _SAME_ARC_MM)
+        )
+
     def settled(self, within_mm: float, now_s: float) -> bool:
         """True when the reference has arrived and the nodal points are near it."""
         return now_s > self.reference.start_s + self.reference.approach_s and self.error_mm < within_mm
@@ -54,18 +64,21 @@ def begin(
     reference: Reference,
     seen: Seen,
     movable: NDArray[np.bool_],
+    before: Task | None,
     *,
     command_mm: Array,
     now_s: float,
 ) -> Task:
-    """A task that starts from what is seen now."""
+    """A task that starts from what is seen now, with all that the law has learnt if it leads the same points as `before`."""
     arc, measured = seen.nodes(reference.target.node_names)
     points = Points(arc_mm=arc, weights=reference.target.weights, movable=movable)
     measurement = Measurement(capture_s=seen.capture_s, node_mm=measured)
     return Task(
         reference=reference,
         points=points,
-        law_state=law.start(points, command_mm, measurement, now_s),
+        law_state=before.law_state
+        if before is not None and before.leads_the_same(reference.target, points)
+        else law.start(points, command_mm, measurement, now_s),
         **_compare(reference, points, measurement),
     )
 
