@@ -22,12 +22,10 @@ Length = Annotated[float, msgspec.Meta(gt=0, le=2000)]
 class RobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The robot on the bench, in the words that sensing and the controller share. Lengths in mm.
 
-    Sections are named from the base. `diameter_mm` is the tube's, without spacer disks. The tip is `round` (a half
-    sphere whose apex ends the centreline) or `flat` (a face that ends it).
+    Sections stand in order from the base; the last one ends at the tip.
     """
 
     section_length_mm: Annotated[tuple[Length, ...], msgspec.Meta(min_length=1, max_length=8)]
-    diameter_mm: Annotated[float, msgspec.Meta(gt=0, le=100)]
 
     @property
     def length_mm(self) -> float:

@@ -17,7 +17,7 @@ from messaging.settings import RobotSettings
 from messaging.shape import ShapeEstimate
 
 PERIOD_S = 0.005
-ROBOT = RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0)
+ROBOT = RobotSettings(section_length_mm=(40.0, 40.0))
 
 
 def shape_of(

@@ -44,7 +44,7 @@ def main(rendezvous, port):
     with open_session(ZenohSettings(rendezvous=rendezvous), "test", "controller") as session:
         run(
             ControllerSettings(),
-            RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0),
+            RobotSettings(section_length_mm=(40.0, 40.0)),
             TendonActuators(servos),
             session,
             stop,

@@ -302,7 +302,7 @@ def test_several_weighted_points_are_followed_together(homed, stand_ins):
 
 
 def test_three_sections_work_too(stand_ins):
-    robot = RobotSettings(section_length_mm=(30.0, 30.0, 30.0), diameter_mm=6.0)
+    robot = RobotSettings(section_length_mm=(30.0, 30.0, 30.0))
     settings = ControllerSettings(
         sections=tuple(SectionTendons(pair_angle_deg=(30.0 * n, 30.0 * n + 90)) for n in range(3))
     )
@@ -346,7 +346,7 @@ def test_the_same_inputs_give_the_same_bytes(tracking):
 
     loop.step = watched
     moments, _ = tracking.run(0.5)
-    again = Loop(ControllerSettings(), RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0))
+    again = Loop(ControllerSettings(), RobotSettings(section_length_mm=(40.0, 40.0)))
     for inputs, moment in zip(seen, moments, strict=True):
         state, outputs = again.step(state, inputs)
         assert outputs.command_mm.tobytes() == moment.outputs.command_mm.tobytes()

@@ -91,11 +91,14 @@ def test_a_missing_key_is_named(tmp_path, table, key):
     [
         (lambda table: table.update(speed=1), "speed is unknown; the file takes"),
         (lambda table: table.update(name="my bench"), "name = 'my bench': expected `str` matching"),
-        (lambda table: table["robot"].update(diameter_mm=0), "robot.diameter_mm = 0: expected `float` > 0"),
+        (
+            lambda table: table["sensing"].update(maximum_skew_s=0),
+            "sensing.maximum_skew_s = 0: expected `float` > 0",
+        ),
         (lambda table: table["robot"].update(tip="round"), "robot.tip is unknown; [robot] takes"),
         (
-            lambda table: table["robot"].update(diameter_mm="6"),
-            "robot.diameter_mm = '6': expected `float`, got `str`",
+            lambda table: table["sensing"].update(maximum_skew_s="6"),
+            "sensing.maximum_skew_s = '6': expected `float`, got `str`",
         ),
         (lambda table: table["cameras"].pop("left"), "cameras: expected `object` of length >= 2"),
         (

@@ -244,7 +244,7 @@ def test_frame_sets_of_a_restarted_sensing_count_apart():
 
 @pytest.fixture
 def kinematics():
-    return ControllerSettings().kinematics(RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0))
+    return ControllerSettings().kinematics(RobotSettings(section_length_mm=(40.0, 40.0)))
 
 
 def test_the_model_is_solved_for_a_place(kinematics):

@@ -20,7 +20,7 @@ from sensing.settings import NodalPointSetting, SensingSettings
 
 DEADLINE_S = 30.0
 PERIOD_NS = 33_000_000
-ROBOT = RobotSettings(section_length_mm=(40.0, 40.0), diameter_mm=6.0)
+ROBOT = RobotSettings(section_length_mm=(40.0, 40.0))
 SETTINGS = SensingSettings(
     nodal_points=(NodalPointSetting(name="middle", arc_mm=40.0), NodalPointSetting(name="tip", arc_mm=80.0))
 )
