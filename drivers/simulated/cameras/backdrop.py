@@ -34,7 +34,7 @@ class Noise:
         self._darker = np.clip(-levels, 0, 255).astype(np.uint8)
 
     def on(self, pixels: Pixels, window: Window) -> Pixels:
-        """These pixels of the window with noise."""
+        """The pixels of the window with noise."""
         top, left = self._rng.integers(0, self._size // 4)
         rows = slice(window.top + top, window.bottom + top)
         columns = slice(window.left + left, window.right + left)

@@ -30,6 +30,20 @@ class Window:
         """Rows and columns of the whole picture."""
         return slice(self.top, self.bottom), slice(self.left, self.right)
 
+    def around(self, other: "Window") -> "Window":
+        """The smallest window that holds both."""
+        return Window(
+            min(self.left, other.left),
+            min(self.top, other.top),
+            max(self.right, other.right),
+            max(self.bottom, other.bottom),
+        )
+
+    def within(self, other: "Window") -> "Window":
+        """The same rectangle, counted from another's corner."""
+        left, top = other.corner
+        return Window(self.left - left, self.top - top, self.right - left, self.bottom - top)
+
     @property
     def corner(self) -> tuple[int, int]:
         """Column and row of the first pixel."""

@@ -41,7 +41,8 @@ class Cells:
 
         def places(width_px: int) -> Index:
             corners = np.array([[0], [1], [width_px], [width_px + 1]])
-            return _SIDE_PX * (cell + row * (width_px - columns)) + corners
+            found: Index = _SIDE_PX * (cell + row * (width_px - columns)) + corners
+            return found
 
         return cls(
             part=flat.take(cell).astype(np.intp) - 1,

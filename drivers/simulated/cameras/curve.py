@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from drivers.simulated.cameras.arrays import Array
 from drivers.simulated.cameras.projection import Projection
+from drivers.simulated.cameras.vectors import lengths, units
 
 _FINER = (
     4  # a chord of a quarter millimetre strays by less than a micrometre from any curve the robot can take
@@ -42,12 +43,11 @@ class Curve:
 
 def see_curve(opened_mm: Array, closed_mm: Array, below_mm: float, projection: Projection) -> Curve:
     """The curve between two centrelines (N, 3) in the robot frame, when the shutter opened and when it closed."""
-    length_mm = float(np.linalg.norm(np.diff(closed_mm, axis=0), axis=1).sum())
+    length_mm = float(lengths(np.diff(closed_mm, axis=0)).sum())
     values, slopes = _spline(len(closed_mm))
     opened, closed = projection.to_camera(values @ opened_mm), projection.to_camera(values @ closed_mm)
     middle = (opened + closed) / 2
-    tangents = slopes @ (opened_mm + closed_mm) @ projection.rotation.T
-    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = units(slopes @ (opened_mm + closed_mm) @ projection.rotation.T)
     spacing_mm = length_mm / (len(values) - 1)
     below = int(np.ceil(below_mm / spacing_mm))
     steps = -spacing_mm * np.arange(below, 0, -1.0)

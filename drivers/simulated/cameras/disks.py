@@ -11,8 +11,9 @@ from drivers.simulated.cameras.cells import Cells, cells_reached, in_cells, labe
 from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import dot, gather
 from drivers.simulated.cameras.projection import Projection
+from drivers.simulated.cameras.vectors import cross, lengths, units
 
-_CIRCLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+_CIRCLE = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 _SQUARE = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]])
 _STEEPEST = np.float32(1e-4)
 _TINY = np.float32(1e-9)
@@ -89,26 +90,25 @@ class Disks:
         return scale
 
     def _most_motion_px(self, projection: Projection) -> float:
-        moved_px = np.linalg.norm(self.motion_mm, axis=1) * self._scale(projection)
+        moved_px = lengths(self.motion_mm) * self._scale(projection)
         return float(moved_px.max(initial=0))
 
     def _draw_labels(self, projection: Projection, window: Window, lens_blur_px: float) -> Labels:
         """The surroundings of all disks lie below the disks themselves, nearer ones above farther ones."""
         labels = label_map(window)
-        rims = in_cells(projection.to_pixels(self._rims_mm()), window).astype(np.float32)
+        rims = in_cells(projection.to_pixels(self._rims_mm()), window)
         reach = cells_reached(edge_reach_px(self._most_motion_px(projection), lens_blur_px))
         far_first = np.argsort(-self.centre_mm[:, 2]).tolist()
         for around in (reach * _SQUARE, np.zeros((1, 2))):
+            outlines = np.rint(rims[:, None] + around[:, None]).astype(np.int32)
             for disk in far_first:
-                hull = cv2.convexHull((rims[disk][:, None] + around.astype(np.float32)).reshape(-1, 2))
-                cv2.fillConvexPoly(labels, np.rint(hull).astype(np.int32), disk + 1)
+                cv2.fillConvexPoly(labels, cv2.convexHull(outlines[disk].reshape(-1, 2)), disk + 1)
         return labels
 
     def _rims_mm(self) -> Array:
-        """(k, 2 * 24, 3) points on both rims of every disk."""
-        first = np.cross(self.axis, np.eye(3)[np.argmin(np.abs(self.axis), axis=1)])
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        second = np.cross(self.axis, first)
+        """(k, 2 * 16, 3) points on both rims of every disk."""
+        first = units(cross(self.axis, np.eye(3)[np.argmin(np.abs(self.axis), axis=1)]))
+        second = cross(self.axis, first)
         circle = np.cos(_CIRCLE)[:, None] * first[:, None] + np.sin(_CIRCLE)[:, None] * second[:, None]
         rim = self.centre_mm[:, None] + self.radius_mm[:, None, None] * circle
         half = self.half_thickness_mm * self.axis[:, None]

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Pixels
+from drivers.simulated.cameras.canvas import Window
 from drivers.simulated.cameras.light import Light, bgr
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.settings import BodySettings
@@ -15,7 +16,7 @@ Face = tuple[Array, Array]
 """Corners (k, 3) in the robot's directions, and the normal (3,)."""
 
 _SHIFT = 6
-_FACETS = 48
+_FACETS = 32
 _PILLAR_MM = 200.0
 _UP = np.array([0.0, 0.0, 1.0])
 _REDRAWN_FROM_MM = 5e-3
@@ -27,7 +28,8 @@ class Holder:
     def __init__(self, body: BodySettings, projection: Projection, light: Light, backdrop: Pixels) -> None:
         self._projection = projection
         self._backdrop = backdrop
-        self._picture = backdrop.copy()
+        self.picture = backdrop.copy()
+        """The whole picture without the robot."""
         self._drawn_for_mm = np.full(3, np.inf)
         self._camera_mm = -projection.rotation.T @ projection.to_camera(np.zeros(3))
         faces = _faces(body)
@@ -37,26 +39,25 @@ class Holder:
         self._normals = np.array([normal for _, normal in faces])
         lit = light.brightness(self._normals @ projection.rotation.T @ light.direction)
         self._colours = (lit[:, None] * bgr(body.holder_colour)).tolist()
-        self.corners_px = np.zeros((2, 2))
-        """The first and the last column and row of what is seen of it."""
+        self.window = Window(0, 0, 0, 0)
+        """What shows of it."""
 
-    def before_backdrop(self, base_mm: Array) -> Pixels:
-        """The backdrop with the holder below a base at (3,) in the robot frame; not to be written to."""
+    def stand_below(self, base_mm: Array) -> None:
+        """Below a base at (3,) in the robot frame."""
         if np.abs(base_mm - self._drawn_for_mm).max() > _REDRAWN_FROM_MM:
             self._redraw(base_mm)
             self._drawn_for_mm = base_mm
-        return self._picture
 
     def _redraw(self, base_mm: Array) -> None:
-        (left, top), (right, bottom) = self.corners_px.astype(int)
-        self._picture[top:bottom, left:right] = self._backdrop[top:bottom, left:right]
+        self.picture[self.window.slices] = self._backdrop[self.window.slices]
         pixels = self._projection.to_pixels(self._projection.to_camera(self._corners_mm + base_mm))
         outlines = np.split(np.rint(pixels * (1 << _SHIFT)).astype(np.int32), self._ends[:-1])
         towards_camera = self._camera_mm - base_mm - self._first_mm
         for face in np.flatnonzero((self._normals * towards_camera).sum(axis=1) > 0).tolist():
-            cv2.fillConvexPoly(self._picture, outlines[face], self._colours[face], cv2.LINE_AA, _SHIFT)
+            cv2.fillConvexPoly(self.picture, outlines[face], self._colours[face], cv2.LINE_AA, _SHIFT)
         limit = [self._projection.width_px, self._projection.height_px]
-        self.corners_px = np.clip([pixels.min(axis=0) - 2, pixels.max(axis=0) + 3], 0, limit)
+        corners = np.clip([pixels.min(axis=0) - 2, pixels.max(axis=0) + 3], 0, limit)
+        self.window = Window(*corners.astype(int).ravel().tolist())
 
 
 def _faces(body: BodySettings) -> list[Face]:
@@ -73,7 +74,7 @@ def _faces(body: BodySettings) -> list[Face]:
 
 
 def _circle(radius_mm: float) -> Array:
-    """(49, 3) closed, about the z axis."""
+    """(33, 3) closed, about the z axis."""
     angle = np.linspace(0, 2 * np.pi, _FACETS + 1)
     return radius_mm * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
 

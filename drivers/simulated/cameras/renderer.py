@@ -13,6 +13,7 @@ from drivers.simulated.cameras.light import Light, bgr
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from drivers.simulated.cameras.tube import Tube
+from drivers.simulated.cameras.vectors import lengths
 from messaging.frames import CameraCalibration
 
 _PICTURES = 6  # that lie ready without robot; the noise outside of the robot's window repeats after that many
@@ -53,18 +54,21 @@ class Renderer:
 
     def render(self, opened_mm: Array, closed_mm: Array) -> bytes:
         """The picture of the robot whose centreline (N, 3), evenly spaced in arc length, moved from one to the other."""
-        canvas = self.draw(opened_mm, closed_mm)
-        patch = self._encode(self._noise.on(canvas.pixels, canvas.window))
+        robot = self.draw(opened_mm, closed_mm)
+        window = self._raster.widen(robot.window.around(self._holder.window))
+        pixels = self._holder.picture[window.slices].copy()
+        pixels[robot.window.within(window).slices] = robot.pixels
+        patch = self._encode(self._noise.on(pixels, window))
         empty = self._empty[self._rng.integers(_PICTURES)]
-        return splice(empty, patch, canvas.window, self._raster)
+        return splice(empty, patch, window, self._raster)
 
     def draw(self, opened_mm: Array, closed_mm: Array) -> Canvas:
         """The part of the picture that shows the robot, before noise and coding."""
         body, blur_px = self._settings.body, self._settings.sensor.lens_blur_px
         base_mm = (opened_mm[0] + closed_mm[0]) / 2
         curve = see_curve(opened_mm, closed_mm, max(body.diameter_mm), self._projection)
-        behind = self._holder.before_backdrop(base_mm)
-        canvas = Canvas(behind, self._window(curve))
+        self._holder.stand_below(base_mm)
+        canvas = Canvas(self._holder.picture, self._window(curve))
         for fragments in self._tube(curve).fragments(self._projection, canvas.window, self._light, blur_px):
             canvas.paint(fragments)
         canvas.paint(self._disks(curve).fragments(self._projection, canvas.window, self._light, blur_px))
@@ -73,13 +77,12 @@ class Renderer:
     def _window(self, curve: Curve) -> Window:
         body = self._settings.body
         radius_mm = max(body.diameter_mm) / 2 + body.disk_proud_mm
-        motion_mm = float(np.linalg.norm(curve.motion_mm, axis=1).max())
+        motion_mm = float(lengths(curve.motion_mm).max())
         nearest_mm = float(curve.points_mm[:, 2].min()) - radius_mm
         reach_px = (radius_mm + motion_mm) * self._projection.focal_px / nearest_mm + _MARGIN_PX
         robot_px = self._projection.to_pixels(curve.points_mm)
-        first, last = self._holder.corners_px
-        left, top = np.minimum(robot_px.min(axis=0) - reach_px, first).astype(int).tolist()
-        right, bottom = np.maximum(robot_px.max(axis=0) + reach_px + 1, last).astype(int).tolist()
+        left, top = (robot_px.min(axis=0) - reach_px).astype(int).tolist()
+        right, bottom = (robot_px.max(axis=0) + reach_px + 1).astype(int).tolist()
         return self._raster.widen(Window(left, top, right, bottom))
 
     def _tube(self, curve: Curve) -> Tube:

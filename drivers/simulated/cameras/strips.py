@@ -9,6 +9,7 @@ import numpy as np
 from drivers.simulated.cameras.arrays import Array, Index, Labels, Mask
 from drivers.simulated.cameras.canvas import Window
 from drivers.simulated.cameras.cells import label_map
+from drivers.simulated.cameras.vectors import lengths, units
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Strips:
         """Maps of 1 + the number of the piece: of what the tube may hide of itself, if anything, then of what is in front."""
         far_first = np.argsort(-self.depth_mm)
         front = self._draw(window, far_first)
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.middle, axis=0), axis=1))])
+        along = np.concatenate([[0.0], np.cumsum(lengths(np.diff(self.middle, axis=0)))])
         apart = np.pi * float(self.reach.max())
         if self._meets_itself(along, apart):
             back = self._draw(window, far_first[::-1])
@@ -42,8 +43,7 @@ class Strips:
         Discs lie below all strips: they matter only where a piece is seen end on, and at the tip.
         """
         labels = label_map(window)
-        along = np.gradient(self.middle, axis=0)
-        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        along = units(np.gradient(self.middle, axis=0))
         across = np.column_stack([-along[:, 1], along[:, 0]]) * self.reach[:, None]
         left, right = self.middle + across, self.middle - across
         outlines = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=1)

@@ -16,6 +16,7 @@ from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.nearest import Passage, dot, gather, pass_by
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.strips import Strips
+from drivers.simulated.cameras.vectors import cross, lengths, units
 
 _SAMPLES_PER_PIECE = 4
 _END_ON = 0.4  # sine of the angle to the view, below which a piece counts as seen end on
@@ -35,11 +36,11 @@ class Tube:
         """What the window shows of the tube: what it may hide of itself, if anything, then what is in front."""
         curve = self.curve
         scale = projection.focal_px / curve.points_mm[:, 2]
-        motion_px = float((np.linalg.norm(curve.motion_mm, axis=1) * scale).max())
+        motion_px = float((lengths(curve.motion_mm) * scale).max())
         reach = cells_reached(self.radius_mm * scale + edge_reach_px(motion_px, lens_blur_px))
         pieces = curve.points_mm[::_SAMPLES_PER_PIECE]
-        obliquity = np.linalg.norm(np.cross(curve.tangents, curve.points_mm), axis=1)
-        end_on = (obliquity < _END_ON * curve.points_mm[:, 2])[::_SAMPLES_PER_PIECE]
+        obliquity = lengths(cross(curve.tangents[::_SAMPLES_PER_PIECE], pieces))
+        end_on = obliquity < _END_ON * pieces[:, 2]
         strips = Strips(
             middle=in_cells(projection.to_pixels(pieces), window),
             reach=reach[::_SAMPLES_PER_PIECE],
@@ -55,10 +56,8 @@ class _Look:
 
     def __init__(self, tube: Tube, projection: Projection, light: Light, end_on: Mask) -> None:
         curve = tube.curve
-        view = curve.points_mm / np.linalg.norm(curve.points_mm, axis=1, keepdims=True)
-        aside = np.cross(curve.tangents, view)
-        aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-9)
-        facing = np.cross(curve.tangents, aside)
+        aside = units(cross(curve.tangents, curve.points_mm))
+        facing = cross(curve.tangents, aside)
         base_mm = curve.points_mm[np.argmin(np.abs(curve.arc_mm))]
         self._tube = tube
         self._projection = projection
