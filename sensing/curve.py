@@ -35,6 +35,9 @@ def basis(parameter: FloatArray, order: int = 0) -> FloatArray:
 PARAMETER: FloatArray = np.linspace(0.0, 1.0, SAMPLES)
 POSITION = basis(PARAMETER)
 VELOCITY = basis(PARAMETER, 1)
+FINE_PARAMETER: FloatArray = np.linspace(0.0, 1.0, 8 * SAMPLES)
+FINE_POSITION = basis(FINE_PARAMETER)
+"""Fine enough for arc length: chords are a thousandth of the length."""
 JUMPS: FloatArray = np.diff(basis(np.linspace(0, 1, 4 * CONTROL_POINTS), 2), axis=0)
 """Takes control points to the changes of the second derivative along the curve."""
 

@@ -55,10 +55,10 @@ def edge_pairs(
     inner = np.abs(offsets) < 0.5 * half_widths[:, None]
     height = np.sum(profile * inner, axis=1) / np.maximum(inner.sum(axis=1), 1)
     profile = profile * np.sign(height)[:, None]
-    right, right_found = _edge(profile[:, HALF_SAMPLES:], np.abs(height), step)
-    left, left_found = _edge(profile[:, HALF_SAMPLES::-1], np.abs(height), step)
-    found = right_found & left_found & (np.abs(height) > LEAST_CONTRAST)
-    return EdgePair((right - left) / 2, (right + left) / 2, found)
+    outwards = np.vstack([profile[:, HALF_SAMPLES:], profile[:, HALF_SAMPLES::-1]])
+    distance, found = _edge(outwards, np.tile(np.abs(height), 2), np.tile(step, 2))
+    (right, left), seen = distance.reshape(2, -1), found.reshape(2, -1).all(axis=0)
+    return EdgePair((right - left) / 2, (right + left) / 2, seen & (np.abs(height) > LEAST_CONTRAST))
 
 
 def ends(

@@ -106,16 +106,12 @@ class Shape:
             raise NodalPointError(
                 f"nodal point at {arc_mm.max():g} mm is beyond the robot, whose centreline is {length:.2f} mm long"
             )
-        fine = np.linspace(0.0, 1.0, 8 * curve.SAMPLES)
         control = self.fit.curve.control_mm
-        line = curve.basis(fine) @ control
-        parameter = np.interp(arc_mm, curve.arc_lengths(line), fine)
-        basis = curve.basis(parameter)
+        line = curve.FINE_POSITION @ control
+        basis = curve.basis(np.interp(arc_mm, curve.arc_lengths(line), curve.FINE_PARAMETER))
         tangent = line[-1] - line[-2]
         beyond = np.maximum(arc_mm - length, 0.0)[:, None] * (tangent / np.linalg.norm(tangent))
-        covariance = self.fit.covariance[:-1, :-1].reshape(curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3)
-        spread = np.einsum("na,aibj,nb->nij", basis, covariance, basis)
-        return basis @ control + beyond, (spread + np.swapaxes(spread, 1, 2)) / 2
+        return basis @ control + beyond, self.fit.covariance_mm2(basis)
 
 
 def estimate(
@@ -196,21 +192,19 @@ def _judged(
     backdrops: Mapping[str, Backdrop],
     stages: ColdStart | None,
 ) -> Shape:
-    unjudged = Shape(
+    masks = {name: silhouette.mask for name, silhouette in stages.silhouettes.items()} if stages else {}
+    verdict = quality.judge(scene.cameras, fit, prior, masks)
+    return Shape(
         fit=fit,
         tip=tip,
         backdrops=backdrops,
         insertion_mm=prior.insertion_mm,
-        flags=(),
-        residual_px=quality.residual_px(fit),
-        ray_gap_mm=quality.ray_gap_mm(scene.cameras, fit),
+        flags=verdict.flags,
+        residual_px=verdict.residual_px,
+        ray_gap_mm=verdict.ray_gap_mm,
         stages=stages,
         stage_s={},
     )
-    _, covariance = unjudged.nodes(np.linspace(0.1, 1.0, 10) * unjudged.length_mm)
-    spread = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
-    masks = {name: silhouette.mask for name, silhouette in stages.silhouettes.items()} if stages else {}
-    return replace(unjudged, flags=quality.flags(scene.cameras, fit, prior, spread, masks))
 
 
 class _Stopwatch:

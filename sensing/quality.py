@@ -1,12 +1,12 @@
 """What speaks against a fitted shape: flags with a fixed vocabulary (messaging.shape.Flag), from numbers of the fit."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import combinations
 
 import cv2
 import numpy as np
 
-from messaging.checked import FloatArray
 from messaging.shape import Flag
 from sensing import curve
 from sensing.camera import Camera
@@ -23,6 +23,7 @@ LEAST_EXPLAINED = 0.6
 LARGE_RAY_GAP_MM = 0.4
 LARGE_SPREAD_MM = 0.6
 """A nodal point whose standard deviation in its worst direction is larger rests on more than the pictures."""
+JUDGED_POINTS = curve.basis(np.linspace(0.1, 1.0, 10))
 LENGTH_TOLERANCE_MM = 1.0
 END_TOLERANCE_MM = 0.5
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
@@ -57,13 +58,19 @@ def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
     return float(np.concatenate(gaps).mean()) if gaps else float("nan")
 
 
-def flags(
-    cameras: tuple[Camera, ...], fit: Fit, prior: Prior, spread_mm: FloatArray, masks: Mapping[str, Mask]
-) -> tuple[Flag, ...]:
-    """Everything that speaks against the fit; `spread_mm` (n,) are the nodal points' worst standard deviations.
+@dataclass(frozen=True)
+class Verdict:
+    """How well a fit explains the pictures, and what speaks against it."""
 
-    `masks` are the silhouettes of a cold start; a warm one has none, and its fit is judged by its edges alone.
-    """
+    residual_px: float
+    ray_gap_mm: float
+    flags: tuple[Flag, ...]
+
+
+def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[str, Mask]) -> Verdict:
+    """Judge a fit. `masks` are the silhouettes of a cold start; a warm one has none, and is judged by its edges alone."""
+    residual, gap = residual_px(fit), ray_gap_mm(cameras, fit)
+    spread_mm = np.sqrt(np.linalg.eigvalsh(fit.covariance_mm2(JUDGED_POINTS))[:, -1])
     explained = [float(view.valid.mean()) for view in fit.views]
     end_mm = [abs(view.end.residual_px) * view.mm_per_px for view in fit.views if view.end]
     too_long = (
@@ -76,15 +83,15 @@ def flags(
     )
     found = {
         Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED
-        or not residual_px(fit) < LARGE_RESIDUAL_PX
+        or not residual < LARGE_RESIDUAL_PX
         or worst_stretch_px(fit) > LARGE_STRETCH_PX,
-        Flag.LARGE_RAY_GAP: not ray_gap_mm(cameras, fit) < LARGE_RAY_GAP_MM,
+        Flag.LARGE_RAY_GAP: not gap < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
         Flag.TIP_UNSEEN: not end_mm,
         Flag.LENGTH_MISMATCH: too_long or any(gap > END_TOLERANCE_MM for gap in end_mm),
         Flag.MERGED_SILHOUETTE: merged,
     }
-    return tuple(flag for flag, raised in found.items() if raised)
+    return Verdict(residual, gap, tuple(flag for flag, raised in found.items() if raised))
 
 
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
