@@ -12,7 +12,7 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
 
-from messaging.checked import Checked, FloatArray, Shape
+from messaging.checked import Checked, FloatArray, Shape, fields_of
 from messaging.errors import CodecError
 
 
@@ -25,7 +25,7 @@ class Message(Checked):
     def to_bytes(self) -> bytes:
         """The protobuf bytes that go on the wire and, unchanged, into the log."""
         wire = self.protobuf()
-        for field in dataclasses.fields(self):
+        for field in fields_of(type(self)):
             value = getattr(self, field.name)
             if isinstance(value, np.ndarray):
                 getattr(wire, field.name).extend(value.ravel())
@@ -41,7 +41,7 @@ class Message(Checked):
         wire = parse(cls.protobuf, data)
         values: dict[str, Any] = {}
         sizes: dict[str, int] = {}
-        for field in dataclasses.fields(cls):
+        for field in fields_of(cls):
             value = getattr(wire, field.name)
             if field.type is FloatArray:
                 numbers = np.fromiter(value, np.float64, len(value))
