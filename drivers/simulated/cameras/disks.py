@@ -9,7 +9,7 @@ from drivers.simulated.cameras.arrays import Array, Flat, Index, Labels
 from drivers.simulated.cameras.canvas import Fragments, Window, covered, edge_reach_px
 from drivers.simulated.cameras.cells import Cells, cells_reached, in_cells, label_map
 from drivers.simulated.cameras.light import Light
-from drivers.simulated.cameras.nearest import dot, gather
+from drivers.simulated.cameras.nearest import gather
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.vectors import cross, lengths, units
 
@@ -44,45 +44,58 @@ class Disks:
         # not spread from cells: a disk's edges have corners
         disk = np.tile(cells.part, len(cells.place))
         x, y = projection.rays(cells.place_in_picture.reshape(-1))
-        ray = np.stack([x, y, np.ones_like(x)])
-        meeting = self._meet(ray, disk)
+        meeting = self._meet(x, y, disk, light)
         px_per_mm = gather(self._scale(projection)[:, None], disk)[0]
-        motion_px = dot(gather(self.motion_mm, disk), meeting.outwards) * px_per_mm
-        lit = light.brightness(light.direction.astype(np.float32) @ meeting.normal)
         return Fragments(
             index=cells.place.reshape(-1),
-            cover=covered(meeting.inside_mm * px_per_mm, motion_px, lens_blur_px),
-            colour=self.colour.astype(np.float32)[:, None] * lit,
+            cover=covered(meeting.inside_mm * px_per_mm, meeting.motion_mm * px_per_mm, lens_blur_px),
+            colour=self.colour.astype(np.float32)[:, None] * light.brightness(meeting.towards_lamp),
             depth_mm=meeting.depth_mm,
         )
 
-    def _meet(self, ray: Flat, disk: Index) -> "_Meeting":
-        """How rays (3, m) of third component 1 meet disks (m,)."""
-        centre, axis = gather(self.centre_mm, disk), gather(self.axis, disk)
-        radius = gather(self.radius_mm[:, None], disk)[0]
+    def _meet(self, x: Flat, y: Flat, disk: Index, light: Light) -> "_Meeting":
+        """How rays (x, y, 1) meet disks (m,).
+
+        `t` mm deeper than a disk's middle the ray is (ex, ey, 0) + t (x, y, 1) from it; of that, height + t slope is
+        along the axis, and the square of the rest is shift2 + 2 t mixed + t^2 across2. None of them is large.
+        """
+        lamps = np.broadcast_to(light.direction, self.axis.shape)
+        ways = [_across(self.motion_mm, self.axis), _across(lamps, self.axis)]
+        table = [self.axis, self.centre_mm, *ways, self.radius_mm, self.axis @ light.direction]
+        rows = gather(np.column_stack(table), disk)
+        axis, centre, motion, lamp, (radius, lamp_along) = np.split(rows, [3, 6, 9, 12])
         half = np.float32(self.half_thickness_mm)
-        # at depth z the ray is z slope - middle along the axis, and z across + shift away from it
-        slope = dot(axis, ray)
+
+        ex, ey = centre[2] * x - centre[0], centre[2] * y - centre[1]
+        slope = axis[0] * x + axis[1] * y + axis[2]
         slope = np.where(np.abs(slope) < _STEEPEST, _STEEPEST, slope)
-        middle = dot(axis, centre)
-        across, shift = ray - slope * axis, middle * axis - centre
-        across2 = np.maximum(dot(across, across), _TINY)
-        closest = -dot(across, shift) / across2
-        enters = (middle - half * np.sign(slope)) / slope
-        leaves = (middle + half * np.sign(slope)) / slope
+        height = axis[0] * ex + axis[1] * ey
+        ray2 = x * x + y * y + 1
+        across2 = np.maximum(ray2 - slope * slope, _TINY)
+        mixed = ex * x + ey * y - height * slope
+        shift2 = ex * ex + ey * ey - height * height
 
-        depth = np.clip(closest, enters, leaves)
-        away = depth * across + shift
-        reach = np.sqrt(dot(away, away))
-        outwards = away / np.maximum(reach, _TINY)
+        def part(t: Flat, way: Flat) -> Flat:
+            found: Flat = ex * way[0] + ey * way[1] + t * (x * way[0] + y * way[1] + way[2])
+            return found
+
+        closest = -mixed / across2
+        middle, reach_of_faces = -height / slope, half / np.abs(slope)
+        enters = middle - reach_of_faces
+        t = np.clip(closest, enters, middle + reach_of_faces)
+        beyond = t - closest
+        shortest2 = shift2 + mixed * closest
+        away2 = np.maximum(shortest2 + beyond * beyond * across2, _TINY)
+        away = np.sqrt(away2)
         # where the rim of a face bounds the disk, a slanted view stretches distances from the axis
-        slant = dot(outwards, across) ** 2 / across2 * (dot(ray, ray) / (slope * slope) - 1)
-        inside = (radius - reach) / np.sqrt(1 + slant * (depth != closest))
-
-        shortest2 = reach * reach - (depth - closest) ** 2 * across2
+        slant = beyond * beyond * across2 / away2 * (ray2 / (slope * slope) - 1)
         rim = closest - np.sqrt(np.maximum(radius * radius - shortest2, 0) / across2)
-        normal = np.where(rim < enters, -np.sign(slope) * axis, (rim * across + shift) / radius)
-        return _Meeting(inside, outwards, np.maximum(rim, enters), normal)
+        return _Meeting(
+            inside_mm=(radius - away) / np.sqrt(1 + slant),
+            motion_mm=part(t, motion) / away,
+            depth_mm=centre[2] + np.maximum(rim, enters),
+            towards_lamp=np.where(rim < enters, -np.sign(slope) * lamp_along, part(rim, lamp) / radius),
+        )
 
     def _scale(self, projection: Projection) -> Array:
         """(k,) pixels a millimetre at each disk."""
@@ -119,8 +132,14 @@ class Disks:
 class _Meeting:
     inside_mm: Flat
     """(m,) from the silhouette to the ray; negative outside."""
-    outwards: Flat
-    """(3, m) unit vectors from the axis to the ray."""
+    motion_mm: Flat
+    """(m,) of the disk away from its axis towards the ray, while the shutter is open."""
     depth_mm: Flat
-    normal: Flat
-    """(3, m) of the surface that is seen."""
+    towards_lamp: Flat
+    """(m,) component of the normal of the surface that is seen."""
+
+
+def _across(vectors: Array, axis: Array) -> Array:
+    """(k, 3) what of vectors (k, 3) is not along the axes (k, 3)."""
+    along: Array = (vectors * axis).sum(axis=1, keepdims=True)
+    return vectors - along * axis

@@ -3,6 +3,8 @@
 Its edges are as exact as OpenCV draws them, and it is not blurred by its motion: nothing is measured on it.
 """
 
+from itertools import pairwise
+
 import cv2
 import numpy as np
 
@@ -34,7 +36,8 @@ class Holder:
         self._camera_mm = -projection.rotation.T @ projection.to_camera(np.zeros(3))
         faces = _faces(body)
         self._corners_mm = np.concatenate([corners_mm for corners_mm, _ in faces])
-        self._ends = np.cumsum([len(corners_mm) for corners_mm, _ in faces])
+        ends = np.cumsum([len(corners_mm) for corners_mm, _ in faces]).tolist()
+        self._outlines = [slice(*ends_of_face) for ends_of_face in pairwise([0, *ends])]
         self._first_mm = np.array([corners_mm[0] for corners_mm, _ in faces])
         self._normals = np.array([normal for _, normal in faces])
         lit = light.brightness(self._normals @ projection.rotation.T @ light.direction)
@@ -51,10 +54,11 @@ class Holder:
     def _redraw(self, base_mm: Array) -> None:
         self.picture[self.window.slices] = self._backdrop[self.window.slices]
         pixels = self._projection.to_pixels(self._projection.to_camera(self._corners_mm + base_mm))
-        outlines = np.split(np.rint(pixels * (1 << _SHIFT)).astype(np.int32), self._ends[:-1])
+        fixed = np.rint(pixels * (1 << _SHIFT)).astype(np.int32)
         towards_camera = self._camera_mm - base_mm - self._first_mm
         for face in np.flatnonzero((self._normals * towards_camera).sum(axis=1) > 0).tolist():
-            cv2.fillConvexPoly(self.picture, outlines[face], self._colours[face], cv2.LINE_AA, _SHIFT)
+            outline = fixed[self._outlines[face]]
+            cv2.fillConvexPoly(self.picture, outline, self._colours[face], cv2.LINE_AA, _SHIFT)
         limit = [self._projection.width_px, self._projection.height_px]
         corners = np.clip([pixels.min(axis=0) - 2, pixels.max(axis=0) + 3], 0, limit)
         self.window = Window(*corners.astype(int).ravel().tolist())

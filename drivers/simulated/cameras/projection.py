@@ -47,7 +47,7 @@ class Projection:
 
     def rays(self, place: Index) -> tuple[Flat, Flat]:
         """X and y (m,) of pixels at places (m,), counted row by row: a pixel sees along (x, y, 1) in the camera frame."""
-        return self._ray_x.take(place), self._ray_y.take(place)
+        return self._ray_x.take(place, mode="clip"), self._ray_y.take(place, mode="clip")
 
     def _rays_of_pixels(self) -> tuple[Flat, Flat]:
         columns, rows = np.meshgrid(np.arange(float(self.width_px)), np.arange(float(self.height_px)))
