@@ -42,25 +42,25 @@ class Disks:
         labels = self._draw_labels(projection, window, lens_blur_px)
         cells = Cells.labelled(labels, window, projection.width_px)
         # not spread from cells: a disk's edges have corners
-        disk = np.tile(cells.part, len(cells.place))
-        x, y = projection.rays(cells.place_in_picture.reshape(-1))
-        meeting = self._meet(x, y, disk, light)
-        px_per_mm = gather(self._scale(projection)[:, None], disk)[0]
+        x, y = projection.rays(cells.place_in_picture)
+        meeting = self._meet(x, y, cells.part, light)
+        px_per_mm = gather(self._scale(projection)[:, None], cells.part)[0]
+        cover = covered(meeting.inside_mm * px_per_mm, meeting.motion_mm * px_per_mm, lens_blur_px)
+        lit = light.brightness(meeting.towards_lamp).reshape(-1)
         return Fragments(
             index=cells.place.reshape(-1),
-            cover=covered(meeting.inside_mm * px_per_mm, meeting.motion_mm * px_per_mm, lens_blur_px),
-            colour=self.colour.astype(np.float32)[:, None] * light.brightness(meeting.towards_lamp),
-            depth_mm=meeting.depth_mm,
+            cover=cover.reshape(-1),
+            colour=self.colour.astype(np.float32)[:, None] * lit,
+            depth_mm=meeting.depth_mm.reshape(-1),
         )
 
     def _meet(self, x: Flat, y: Flat, disk: Index, light: Light) -> "_Meeting":
-        """How rays (x, y, 1) meet disks (m,).
+        """How rays (x, y, 1), each of x and y (4, m), meet disks (m,).
 
         `t` mm deeper than a disk's middle the ray is (ex, ey, 0) + t (x, y, 1) from it; of that, height + t slope is
         along the axis, and the square of the rest is shift2 + 2 t mixed + t^2 across2. None of them is large.
         """
-        lamps = np.broadcast_to(light.direction, self.axis.shape)
-        ways = [_across(self.motion_mm, self.axis), _across(lamps, self.axis)]
+        ways = [_across(self.motion_mm, self.axis), _across(light.direction, self.axis)]
         table = [self.axis, self.centre_mm, *ways, self.radius_mm, self.axis @ light.direction]
         rows = gather(np.column_stack(table), disk)
         axis, centre, motion, lamp, (radius, lamp_along) = np.split(rows, [3, 6, 9, 12])
@@ -131,15 +131,16 @@ class Disks:
 @dataclass(frozen=True)
 class _Meeting:
     inside_mm: Flat
-    """(m,) from the silhouette to the ray; negative outside."""
+    """(4, m) from the silhouette to the ray; negative outside."""
     motion_mm: Flat
-    """(m,) of the disk away from its axis towards the ray, while the shutter is open."""
+    """(4, m) of the disk away from its axis towards the ray, while the shutter is open."""
     depth_mm: Flat
+    """(4, m)."""
     towards_lamp: Flat
-    """(m,) component of the normal of the surface that is seen."""
+    """(4, m) component of the normal of the surface that is seen."""
 
 
 def _across(vectors: Array, axis: Array) -> Array:
-    """(k, 3) what of vectors (k, 3) is not along the axes (k, 3)."""
+    """(k, 3) what of vectors (k, 3), or of one (3,), is not along the axes (k, 3)."""
     along: Array = (vectors * axis).sum(axis=1, keepdims=True)
     return vectors - along * axis

@@ -46,7 +46,7 @@ class Projection:
         return np.stack([u, K[1, 1] * bent_y + K[1, 2]], axis=-1)
 
     def rays(self, place: Index) -> tuple[Flat, Flat]:
-        """X and y (m,) of pixels at places (m,), counted row by row: a pixel sees along (x, y, 1) in the camera frame."""
+        """X and y of pixels at places of any shape, counted row by row: a pixel sees along (x, y, 1) in the camera frame."""
         return self._ray_x.take(place, mode="clip"), self._ray_y.take(place, mode="clip")
 
     def _rays_of_pixels(self) -> tuple[Flat, Flat]:
