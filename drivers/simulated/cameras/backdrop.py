@@ -40,4 +40,4 @@ class Noise:
         columns = slice(window.left + left, window.right + left)
         # two saturating additions of bytes are many times faster than one with signs
         brighter = cv2.add(pixels, self._brighter[rows, columns])
-        return np.asarray(cv2.subtract(brighter, self._darker[rows, columns]), dtype=np.uint8)
+        return np.asarray(cv2.subtract(brighter, self._darker[rows, columns], dst=brighter), dtype=np.uint8)
