@@ -11,6 +11,7 @@ import numpy as np
 
 from sensing.backdrop import Image, luma
 from sensing.errors import ImageSizeError, UnreadableImageError
+from sensing.jpeg_crop import Box, crop
 
 JPEG_START, JPEG_END = b"\xff\xd8", b"\xff\xd9"
 
@@ -30,7 +31,7 @@ class Picture:
                 f"camera {camera}: the JPEG of {len(data)} bytes is cut off before its end"
             )
         self.camera = camera
-        self._data = np.frombuffer(data, np.uint8)
+        self._bytes = data
         self._size_px = size_px
 
     @cached_property
@@ -45,21 +46,36 @@ class Picture:
             return luma(self.colour)
         return self._decoded(cv2.IMREAD_GRAYSCALE)
 
+    def luma_around(self, box: Box) -> tuple[Image, Box]:
+        """Brightness of a part that covers `box` as far as it lies in the picture, and which part that is.
+
+        Only that part is decoded where the camera's JPEG allows it; otherwise it is the whole picture.
+        """
+        part = None if "luma" in self.__dict__ else crop(self._bytes, self._size_px, box)
+        if part is None:
+            return self.luma, (0, 0, *self._size_px)
+        data, shown = part
+        return self._read(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE), shown
+
     def _decoded(self, mode: int) -> Image:
+        picture = self._read(np.frombuffer(self._bytes, np.uint8), mode)
+        size = picture.shape[1], picture.shape[0]
+        if size != self._size_px:
+            raise ImageSizeError(
+                f"camera {self.camera}: the picture is {size[0]}x{size[1]} px, "
+                f"its calibration is for {self._size_px[0]}x{self._size_px[1]} px"
+            )
+        return picture
+
+    def _read(self, data: Image, mode: int) -> Image:
         try:
-            picture = cv2.imdecode(self._data, mode | cv2.IMREAD_IGNORE_ORIENTATION)
+            picture = cv2.imdecode(data, mode | cv2.IMREAD_IGNORE_ORIENTATION)
         except cv2.error as error:
             raise UnreadableImageError(
                 f"camera {self.camera}: the picture cannot be decoded ({error.err})"
             ) from error
         if picture is None:
             raise UnreadableImageError(
-                f"camera {self.camera}: {self._data.size} bytes are not a picture in a known format, or it is cut off"
-            )
-        size = picture.shape[1], picture.shape[0]
-        if size != self._size_px:
-            raise ImageSizeError(
-                f"camera {self.camera}: the picture is {size[0]}x{size[1]} px, "
-                f"its calibration is for {self._size_px[0]}x{self._size_px[1]} px"
+                f"camera {self.camera}: {data.size} bytes are not a picture in a known format, or it is cut off"
             )
         return np.asarray(picture, dtype=np.uint8)

@@ -21,6 +21,8 @@ from sensing.errors import NodalPointError, RefusedError
 from sensing.picture import Picture
 from sensing.refinement import Curve, Fit, Patience, Prior, Tip, View, refine
 
+AROUND_PX = 80
+"""Around the expected curve: the tube's half width, the reach of normals, and how far it may have moved."""
 COLD = Patience(rounds=8, enough_mm=0.01)
 WARM = Patience(rounds=4, enough_mm=0.5)
 BEYOND_TIP_MM = 1.0
@@ -127,13 +129,13 @@ def estimate(
     RefusedError when no shape can be resolved, UnreadableImageError or ImageSizeError for a bad picture.
     """
     watch = _Stopwatch(clock)
-    for camera in scene.cameras:
-        _ = pictures[camera.name].luma if last is not None else pictures[camera.name].colour
-    watch.lap("decode")
     if last is not None:
         warm = _warm(pictures, scene, insertion_mm, last, watch)
         if not warm.flags:
             return replace(warm, stage_s=watch.laps)
+    for camera in scene.cameras:
+        _ = pictures[camera.name].colour
+    watch.lap("decode")
     backdrops = {
         camera.name: scene.backdrops.get(camera.name) or Backdrop.fitted(pictures[camera.name].colour)
         for camera in scene.cameras
@@ -141,7 +143,10 @@ def estimate(
     watch.lap("backdrop")
     stages = cold_start(scene.cameras, pictures, backdrops, insertion_mm, scene.holder_radius_mm)
     watch.lap("cold_start")
-    views = _views(pictures, scene, backdrops)
+    views = tuple(
+        View(camera, pictures[camera.name].luma, backdrops[camera.name].luma, np.zeros(2))
+        for camera in scene.cameras
+    )
     prior = Prior(insertion_mm, scene.length_mm)
     fits = {tip: refine(views, stages.curve, prior, tip, COLD) for tip in Tip}
     tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
@@ -169,19 +174,26 @@ def _warm(
     lift = np.array([0.0, 0.0, insertion_mm - last.insertion_mm])
     start = Curve(last.fit.curve.control_mm + lift, last.fit.curve.length_mm, last.fit.curve.radius_mm)
     prior = Prior(insertion_mm, scene.length_mm)
-    fit = refine(_views(pictures, scene, last.backdrops), start, prior, last.tip, WARM)
+    views = tuple(
+        _view_around(camera, pictures[camera.name], last.backdrops[camera.name], start)
+        for camera in scene.cameras
+    )
+    watch.lap("decode")
+    fit = refine(views, start, prior, last.tip, WARM)
     watch.lap("refine")
     shape = _judged(fit, last.tip, scene, prior, last.backdrops, None)
     watch.lap("judge")
     return shape
 
 
-def _views(
-    pictures: Mapping[str, Picture], scene: Scene, backdrops: Mapping[str, Backdrop]
-) -> tuple[View, ...]:
-    return tuple(
-        View(camera, pictures[camera.name].luma, backdrops[camera.name].luma) for camera in scene.cameras
+def _view_around(camera: Camera, picture: Picture, backdrop: Backdrop, expected: Curve) -> View:
+    """The part of a picture in which an expected curve is looked for."""
+    pixels = camera.project(expected.points_mm)
+    low, high = np.floor(pixels.min(axis=0)) - AROUND_PX, np.ceil(pixels.max(axis=0)) + AROUND_PX
+    luma, (left, top, right, bottom) = picture.luma_around(
+        (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
     )
+    return View(camera, luma, backdrop.luma[top:bottom, left:right], np.array([left, top], dtype=np.float64))
 
 
 def _judged(

@@ -54,11 +54,12 @@ class Tip(StrEnum):
 
 @dataclass(frozen=True)
 class View:
-    """One camera's picture (luma) and its backdrop's luma, both at full size."""
+    """One camera's picture (luma) and its backdrop's luma: the whole, or the same part of both that begins at `corner` px."""
 
     camera: Camera
     picture: Image
     backdrop: Image
+    corner: FloatArray
 
 
 @dataclass(frozen=True)
@@ -261,7 +262,7 @@ def _measure(view: View, fitted: Curve, tip: Tip, system: _System) -> ViewFit:
     across = first - second
     width = np.linalg.norm(across, axis=1)
     normals = across / np.maximum(width, 1e-9)[:, None]
-    pairs = edge_pairs(view.picture, view.backdrop, (first + second) / 2, normals, width / 2)
+    pairs = edge_pairs(view.picture, view.backdrop, (first + second) / 2 - view.corner, normals, width / 2)
     ratio = pairs.half_width_px / (width / 2)
     valid = pairs.valid & (ratio > 0.7) & (ratio < 1.45) & (outline.foreshortening > LEAST_FORESHORTENING)
     rows = system.point_rows(curve.POSITION, np.einsum("ij,ijk->ik", normals, jacobian[:count]))
@@ -314,7 +315,7 @@ def _measure_end(view: View, fitted: Curve, tip: Tip, system: _System) -> EndFit
     if reach.min() < 2:
         return None
     directions = directions / reach[:, None]
-    seen, found = ends(view.picture, view.backdrop, starts, directions, reach + END_MARGIN_PX)
+    seen, found = ends(view.picture, view.backdrop, starts - view.corner, directions, reach + END_MARGIN_PX)
     if not found.all():
         return None
     residual = seen - reach
