@@ -27,7 +27,7 @@ class Camera(Protocol):
         ...
 
     def read(self) -> CameraFrame | None:
-        """The newest frame that was not read yet, or None; returns at once."""
+        """The next frame that was not read yet, or None; returns at once. Only the newest few wait to be read."""
         ...
 
     def close(self) -> None:

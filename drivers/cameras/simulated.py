@@ -1,7 +1,6 @@
 """The driver of a simulated camera: the simulated bench hands its frames over on the bus."""
 
 import logging
-from typing import cast
 
 from drivers.cameras.camera import CameraFrame
 from messaging.errors import CodecError
@@ -11,13 +10,15 @@ from messaging.topics import SIMULATED_CAMERA
 
 logger = logging.getLogger(__name__)
 
+WAITING_AT_MOST = 2
+
 
 class SimulatedCamera:
     """Frames of one simulated camera. It may come and go; while it is away there is nothing to read."""
 
     def __init__(self, name: str, session: Session) -> None:
         self._name = name
-        self._frames = session.newest(SIMULATED_CAMERA.named(name))
+        self._frames = session.every(SIMULATED_CAMERA.named(name), WAITING_AT_MOST)
 
     @property
     def name(self) -> str:
@@ -25,15 +26,15 @@ class SimulatedCamera:
         return self._name
 
     def read(self) -> CameraFrame | None:
-        """The newest frame that was not read yet, or None; what is not a frame is logged and left out."""
+        """The next frame that was not read yet, or None; what is not a frame is logged and left out."""
         try:
-            taken = self._frames.take()
+            received = self._frames.take()
+            frame = None if received is None else Frame.from_bytes(received.payload)
         except CodecError as error:
             logger.warning("camera %s: %s", self._name, error)
             return None
-        if taken is None:
+        if received is None or frame is None:
             return None
-        frame, received = cast("Frame", taken[0]), taken[1]
         return CameraFrame(
             name=self._name,
             jpeg=frame.jpeg,

@@ -28,7 +28,7 @@ class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     robot: SimulatedRobotSettings = SimulatedRobotSettings()
     drive: DriveSettings = DriveSettings()
     cameras: SimulatedCamerasSettings = SimulatedCamerasSettings()
-    step_rate_hz: Annotated[float, msgspec.Meta(ge=50, le=500)] = 100.0
+    step_rate_hz: Annotated[float, msgspec.Meta(ge=50, le=500)] = 80.0
     """How often robot and servos move on."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 1
     """Of everything that is drawn by chance: noise, and the cameras' phases and jitter."""

@@ -5,6 +5,7 @@ It ends when the pipe does, which the kernel sees to even after kill -9 of the p
 
 import os
 import signal
+import time
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
@@ -19,6 +20,7 @@ from messaging.settings import ZenohSettings
 from messaging.topics import SIMULATED_CAMERA
 
 READY = "ready"
+LATE_NS = 80_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +58,7 @@ def serve(descriptor: int) -> None:
                 publisher = session.publisher(SIMULATED_CAMERA.named(name))
                 pipe.send(READY)
                 while True:
-                    exposure = _newest(pipe)
+                    exposure = _next(pipe)
                     jpeg = renderer.render(exposure.opened_mm, exposure.closed_mm)
                     frame = Frame(camera=name, capture_time_ns=exposure.capture_monotonic_ns, jpeg=jpeg)
                     publisher.put(frame, exposure.number)
@@ -64,9 +66,9 @@ def serve(descriptor: int) -> None:
             return
 
 
-def _newest(pipe: Connection) -> Exposure:
-    """A camera that cannot keep up leaves frames out, as a real one does."""
+def _next(pipe: Connection) -> Exposure:
+    """A camera that falls behind for a moment catches up; one that cannot keep up leaves frames out, as a real one does."""
     exposure: Exposure = pipe.recv()
-    while pipe.poll():
+    while pipe.poll() and time.monotonic_ns() - exposure.capture_monotonic_ns > LATE_NS:
         exposure = pipe.recv()
     return exposure
