@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
-from drivers.cameras.settings import CameraSettings
-from drivers.simulated.settings import SimulationSettings
 
 from controller.settings import ControllerSettings
+from drivers.cameras.settings import CameraSettings
 from drivers.dynamixel.settings import ServoSettings
+from drivers.simulated.settings import SimulationSettings
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings, ZenohSettings
 from nodal.bench_checks import check_bench
