@@ -1,6 +1,7 @@
 """The simulated bench's process: servos and robot move on, the cameras' processes get the poses, the truth is said."""
 
 import logging
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -55,6 +56,7 @@ def run(
         for number, calibration in enumerate(calibrations)
     ]
     period_ns = int(NS_PER_S / settings.step_rate_hz)
+    sys.setswitchinterval(0.0002)  # the servos' thread answers the bus while this one computes
     with (
         camera_processes(setups, stop.is_set) as cameras,
         EmulatedServos(settings.servos) as servos,
