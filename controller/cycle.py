@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,15 @@ from controller.task import Seen, Task
 from controller.watch import Trouble
 from drivers.actuators import ActuatorState
 from messaging.control import ActionRequest, Reply, Target
+from messaging.errors import CodecError
 from messaging.shape import ShapeEstimate
+from messaging.snapshot import freeze, thaw
 
 Array = NDArray[np.float64]
 Request = ActionRequest | Target
+
+PACKAGES = ("controller", "messaging")
+"""Where the classes in a snapshot of the state may come from."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,6 +77,18 @@ class LoopState:
     """Where on the target's path to go on."""
     task: Task | None = None
     straight_since_s: float = np.inf
+
+    def to_bytes(self) -> bytes:
+        """The snapshot of this state; raises CodecError when a law remembers what a snapshot cannot keep."""
+        return freeze(self)
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """The state in this snapshot; raises CodecError."""
+        state = thaw(data, PACKAGES)
+        if not isinstance(state, cls):
+            raise CodecError(f"a snapshot holds a {type(state).__name__}, not the controller's memory")
+        return state
 
     @property
     def mode(self) -> Mode:

@@ -15,12 +15,14 @@ from controller.pace import Pace
 from controller.settings import ControllerSettings
 from controller.wire import Wire
 from drivers.actuators import Actuators
+from messaging.history import Memory
 from messaging.session import Session
 from messaging.settings import RobotSettings
 
 logger = logging.getLogger(__name__)
 
 _CYCLES_PER_COLLECTION = 200
+_MEMORY_PERIOD_S = 1.0
 
 
 class Stop(Protocol):
@@ -44,7 +46,7 @@ def run(
     Raises ControllerSetupError when the settings do not fit the robot. A missing drive or silent sensing ends nothing.
     """
     loop = Loop(settings, robot)
-    state, busy_s = loop.start(), 0.0
+    state, busy_s, remember_at_s = loop.start(), 0.0, 0.0
     drive = Drive(actuators)
     wire = Wire(session, time.monotonic())
     sys.setswitchinterval(0.0002)  # a busy foreign thread may then hold the interpreter for 0.2 ms, not 5
@@ -64,29 +66,23 @@ def run(
                 absence=drive.absence,
                 requests=wire.requests(),
             )
-            previous, (state, outputs) = state, loop.step(state, inputs)
+            before, (state, outputs) = state, loop.step(state, inputs)
             written = drive.act(outputs, beat.now_s)
-            written_s, time_ns = time.monotonic(), time.time_ns()
-            first = state.seen is not previous.seen
+            timing = account.Timing(
+                written_s=time.monotonic(),
+                time_ns=time.time_ns(),
+                lateness_s=beat.lateness_s,
+                busy_s=busy_s,
+                overruns=beat.overruns,
+            )
             wire.say(
                 outputs,
-                account.tendon_command(
-                    state, outputs, time_ns=time_ns, first_for_shape=first, written_s=written_s
-                )
-                if written
-                else None,
-                account.tendon_state(inputs.drive, time_ns=time_ns),
-                account.controller_state(
-                    state,
-                    outputs,
-                    time_ns=time_ns,
-                    now_s=beat.now_s,
-                    lateness_s=beat.lateness_s,
-                    busy_s=busy_s,
-                    overruns=beat.overruns,
-                ),
+                account.account_of(before, state, inputs, outputs, commanded=written, timing=timing),
             )
-            if state.mode is not previous.mode:
+            if beat.now_s >= remember_at_s:
+                remember_at_s = beat.now_s + _MEMORY_PERIOD_S
+                wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes()))
+            if state.mode is not before.mode:
                 logger.info("%s: %s", state.mode, outputs.reason)
             healthy()
             if beat.cycle % _CYCLES_PER_COLLECTION == 0:

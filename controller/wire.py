@@ -3,12 +3,15 @@
 import logging
 import time
 
+from controller.account import Account
 from controller.cycle import Outputs, Request, Sighting
 from messaging import topics
-from messaging.control import ActionRequest, ControllerState, Reply, Target, TendonCommand, TendonState
+from messaging.control import ActionRequest, Reply, Target
 from messaging.errors import CodecError, InvalidMessageError
+from messaging.history import Asked, Memory
 from messaging.session import Query, Session
 from messaging.shape import ShapeEstimate
+from messaging.views import DesiredPointsView, TargetPathView
 
 logger = logging.getLogger(__name__)
 
@@ -22,10 +25,14 @@ class Wire:
         self._services = (session.answers(topics.CONTROLLER_DO), session.answers(topics.CONTROLLER_TARGET))
         self._target = session.publisher(topics.TARGET)
         self._command = session.publisher(topics.TENDON_COMMAND)
-        self._state = session.publisher(topics.TENDON_STATE)
+        self._tendons = session.publisher(topics.TENDON_STATE)
         self._controller = session.publisher(topics.CONTROLLER_STATE)
+        self._path = session.publisher(topics.TARGET_PATH)
+        self._desired = session.publisher(topics.DESIRED_POINTS)
+        self._asked = session.publisher(topics.ASKED)
+        self._memory = session.publisher(topics.CONTROLLER_MEMORY)
         self._looked_s = now_s
-        self._asked: list[Query] = []
+        self._queries: list[Query] = []
 
     def sighting(self, now_s: float) -> Sighting | None:
         """The newest shape that was not seen yet.
@@ -59,24 +66,36 @@ class Wire:
                     continue
                 if isinstance(request, ActionRequest | Target):
                     requests.append(request)
-                    self._asked.append(query)
+                    self._queries.append(query)
         return tuple(requests)
 
-    def say(
-        self,
-        outputs: Outputs,
-        command: TendonCommand | None,
-        tendons: TendonState | None,
-        controller: ControllerState,
-    ) -> None:
+    def say(self, outputs: Outputs, account: Account) -> None:
         """Publish this cycle and answer what was asked in it."""
-        if command is not None:
-            self._command.put(command)
-        if tendons is not None:
-            self._state.put(tendons)
+        if account.command is not None:
+            self._command.put(account.command)
+        if account.tendons is not None:
+            self._tendons.put(account.tendons)
+        controller = account.controller
         self._controller.put(controller)
         if outputs.accepted is not None:
             self._target.put(outputs.accepted)
-        for query, reply in zip(self._asked, outputs.replies, strict=True):
+            self._path.put(TargetPathView.of(outputs.accepted, controller.time_ns))
+        if account.fresh and controller.node_names:
+            self._desired.put(DesiredPointsView.of(controller))
+        for query, reply in zip(self._queries, outputs.replies, strict=True):
+            self._asked.put(
+                Asked(
+                    time_ns=controller.time_ns,
+                    service=query.service.key,
+                    request=query.payload,
+                    accepted=reply.accepted,
+                    state=reply.state,
+                    reason=reply.reason,
+                )
+            )
             query.reply(reply)
-        self._asked.clear()
+        self._queries.clear()
+
+    def say_memory(self, memory: Memory) -> None:
+        """Publish what this cycle leaves to the next."""
+        self._memory.put(memory)

@@ -114,7 +114,9 @@ class TendonState(Message):
 
     time_ns: int
     displacement_mm: FloatArray = array("pair")
+    displacement_mm_s: FloatArray = array("pair")
     insertion_mm: float
+    insertion_mm_s: float
     current_ma: FloatArray = array("servo")
     temperature_c: FloatArray = array("servo")
     voltage_v: FloatArray = array("servo")
@@ -124,7 +126,13 @@ class TendonState(Message):
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class ControllerState(Message):
-    """One cycle of the controller: its state and why, the target's tracking, what it saw and how it kept time."""
+    """One cycle of the controller: its state and why, the target's tracking, what it saw and how it kept time.
+
+    `now_s` is monotonic, and `dt_s` the time that the command could use. `sighted_capture_ns` names the estimate that
+    arrived in this cycle, `sighted_age_s` old (both 0 when none did); `shape_sequence` the one that it worked with.
+    `drive_absence` says why there was no reading of the servos; with one, a TendonState of the same `time_ns` holds it.
+    `commanded` is true when a command was written. With what was `Asked`, that is all that a cycle sees.
+    """
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.ControllerState
 
@@ -141,3 +149,9 @@ class ControllerState(Message):
     lateness_s: float
     busy_s: float
     overruns: int
+    now_s: float
+    dt_s: float
+    sighted_capture_ns: int
+    sighted_age_s: float
+    drive_absence: str
+    commanded: bool

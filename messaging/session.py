@@ -19,7 +19,7 @@ import zenoh
 from messaging.errors import CodecError, EndpointError, UnansweredError
 from messaging.message import Message
 from messaging.settings import ZenohSettings
-from messaging.topics import Delivery, Service, Topic
+from messaging.topics import Service, Topic
 
 M = TypeVar("M", bound=Message)
 
@@ -44,11 +44,10 @@ class Publisher(Generic[M]):
     """Says one topic. Messages are numbered from 0 unless the caller numbers them."""
 
     def __init__(self, session: zenoh.Session, topic: Topic) -> None:
-        newest = topic.delivery is Delivery.NEWEST
         self._publisher = session.declare_publisher(
             topic.key,
             congestion_control=zenoh.CongestionControl.DROP,
-            reliability=zenoh.Reliability.BEST_EFFORT if newest else zenoh.Reliability.RELIABLE,
+            reliability=zenoh.Reliability.RELIABLE,
         )
         self._epoch = int.from_bytes(os.urandom(4), "little")
         self._next = 0
@@ -79,10 +78,20 @@ class Query:
         self._query = query
         self._service = service
 
+    @property
+    def service(self) -> Service:
+        """What is asked."""
+        return self._service
+
+    @property
+    def payload(self) -> bytes:
+        """The request as it came."""
+        payload = self._query.payload
+        return b"" if payload is None else payload.to_bytes()
+
     def request(self) -> Message:
         """What was asked; raises CodecError or InvalidMessageError when it is not a request of this service."""
-        payload = self._query.payload
-        return self._service.request.from_bytes(payload.to_bytes() if payload is not None else b"")
+        return self._service.request.from_bytes(self.payload)
 
     def reply(self, answer: Message) -> None:
         """Answer, once."""

@@ -1,26 +1,27 @@
-"""The table of topics: who says what, how often, how old it may get, how it travels, and whether it is logged.
+"""The table of topics: who says what, how often, how old it may get, and whether it is logged.
 
-Publishers, subscribers, liveness, the recorder, the documentation and the tests read this table; nothing else names a
+Publications are reliable while the receiver keeps up, and cannot block a loop: what cannot be sent at once is dropped,
+and counted by the gap that it leaves in the sequence numbers. Publishers, subscribers, liveness, the recorder, the documentation and the tests read this table; nothing else names a
 key. Keys stand below `nodal/<bench name>/`; a `*` in a key is a camera's name.
 """
 
 import dataclasses
-from enum import StrEnum
 
 from messaging.control import ActionRequest, ControllerState, Reply, Target, TendonCommand, TendonState
 from messaging.frames import Frame
+from messaging.history import Asked, Memory
 from messaging.message import Message
+from messaging.recorder import RecorderRequest
 from messaging.shape import NodalPoints, ShapeEstimate, Truth
-from messaging.views import CameraPoseView, CameraView, CentrelineView, LogLine, NodalPointsView
-
-
-class Delivery(StrEnum):
-    """How a topic travels. Nothing here can block a loop: what cannot be sent at once is dropped, and counted by its gap."""
-
-    NEWEST = "newest"
-    """Best effort; a late receiver sees the newest and nothing older."""
-    EVERY = "every"
-    """Reliable while the receiver keeps up."""
+from messaging.views import (
+    CameraPoseView,
+    CameraView,
+    CentrelineView,
+    DesiredPointsView,
+    LogLine,
+    NodalPointsView,
+    TargetPathView,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,6 @@ class Topic:
     meaning: str
     rate_hz: float | None = None
     maximum_age_s: float | None = None
-    delivery: Delivery = Delivery.EVERY
     logged: bool = True
 
     def named(self, name: str) -> "Topic":
@@ -126,6 +126,39 @@ CONTROLLER_STATE = Topic(
     rate_hz=200,
     maximum_age_s=0.05,
 )
+TARGET_PATH = Topic(
+    key="target/path",
+    type=TargetPathView,
+    said_by="controller",
+    meaning="the places of an accepted target, for viewers",
+)
+DESIRED_POINTS = Topic(
+    key="controller/desired",
+    type=DesiredPointsView,
+    said_by="controller",
+    meaning="where the target's nodal points should have been when the newest shape was captured, for viewers",
+    rate_hz=30,
+)
+ASKED = Topic(
+    key="asked",
+    type=Asked,
+    said_by="all",
+    meaning="what an operator asked, and what was answered",
+)
+SENSING_MEMORY = Topic(
+    key="sensing/memory",
+    type=Memory,
+    said_by="sensing",
+    meaning="what sensing carries from one frame set to the next",
+    rate_hz=1,
+)
+CONTROLLER_MEMORY = Topic(
+    key="controller/memory",
+    type=Memory,
+    said_by="controller",
+    meaning="what the controller carries from one cycle to the next",
+    rate_hz=1,
+)
 LOG = Topic(key="log", type=LogLine, said_by="all", meaning="log lines")
 TRUTH = Topic(
     key="truth",
@@ -155,6 +188,11 @@ TOPICS = (
     TENDON_COMMAND,
     TENDON_STATE,
     CONTROLLER_STATE,
+    TARGET_PATH,
+    DESIRED_POINTS,
+    ASKED,
+    SENSING_MEMORY,
+    CONTROLLER_MEMORY,
     LOG,
     TRUTH,
     SIMULATED_CAMERA,
@@ -178,4 +216,10 @@ SENSING_NODES = Service(
     answered_by="sensing",
     meaning="new nodal points; refused when they are not on the robot",
 )
-SERVICES = (CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES)
+RECORDER_DO = Service(
+    key="recorder/do",
+    request=RecorderRequest,
+    answered_by="recorder",
+    meaning="start, stop, save, status",
+)
+SERVICES = (CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES, RECORDER_DO)

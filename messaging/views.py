@@ -12,6 +12,8 @@ from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from google.protobuf.message import Message as ProtobufMessage
 
+from messaging.checked import FloatArray
+from messaging.control import ControllerState, Target
 from messaging.frames import CameraCalibration
 from messaging.message import Message, parse
 from messaging.shape import ShapeEstimate
@@ -45,13 +47,7 @@ class CentrelineView(View):
     @classmethod
     def of(cls, estimate: ShapeEstimate) -> Self:
         """Points in the robot frame at the capture time."""
-        points = (estimate.centreline_mm * METRES_PER_MM).astype("<f4")
-        wire = PointCloud(frame_id=ROBOT_FRAME, point_stride=12, data=points.tobytes())
-        for offset, axis in enumerate("xyz"):
-            wire.fields.add(name=axis, offset=4 * offset, type=PackedElementField.FLOAT32)
-        wire.pose.orientation.w = 1.0
-        wire.timestamp.FromNanoseconds(estimate.capture_time_ns)
-        return cls(wire=wire)
+        return cls(wire=_cloud(estimate.centreline_mm, estimate.capture_time_ns))
 
 
 class NodalPointsView(View):
@@ -62,13 +58,29 @@ class NodalPointsView(View):
     @classmethod
     def of(cls, estimate: ShapeEstimate) -> Self:
         """Positions in the robot frame at the capture time; orientations are left at identity."""
-        wire = PosesInFrame(frame_id=ROBOT_FRAME)
-        for x, y, z in estimate.node_mm * METRES_PER_MM:
-            pose = wire.poses.add()
-            pose.position.x, pose.position.y, pose.position.z = x, y, z
-            pose.orientation.w = 1.0
-        wire.timestamp.FromNanoseconds(estimate.capture_time_ns)
-        return cls(wire=wire)
+        return cls(wire=_poses(estimate.node_mm, estimate.capture_time_ns))
+
+
+class TargetPathView(View):
+    """The places that a Target leads its weighted nodal points through as foxglove.PointCloud."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = PointCloud
+
+    @classmethod
+    def of(cls, target: Target, time_ns: int) -> Self:
+        """Points in the robot frame, from the Unix time when the target was accepted."""
+        return cls(wire=_cloud(target.position_mm[:, target.weights > 0].reshape(-1, 3), time_ns))
+
+
+class DesiredPointsView(View):
+    """Where a ControllerState's nodal points should be as foxglove.PosesInFrame."""
+
+    protobuf: ClassVar[type[ProtobufMessage]] = PosesInFrame
+
+    @classmethod
+    def of(cls, state: ControllerState) -> Self:
+        """Positions in the robot frame; orientations are left at identity."""
+        return cls(wire=_poses(state.desired_mm, state.time_ns))
 
 
 class CameraView(View):
@@ -122,3 +134,23 @@ class LogLine(View):
         wire = Log(level=min(max(level // 10, 1), 5), message=text, name=process)  # type: ignore[arg-type]
         wire.timestamp.FromNanoseconds(time_ns)
         return cls(wire=wire)
+
+
+def _cloud(points_mm: FloatArray, time_ns: int) -> PointCloud:
+    points = (points_mm * METRES_PER_MM).astype("<f4")
+    wire = PointCloud(frame_id=ROBOT_FRAME, point_stride=12, data=points.tobytes())
+    for offset, axis in enumerate("xyz"):
+        wire.fields.add(name=axis, offset=4 * offset, type=PackedElementField.FLOAT32)
+    wire.pose.orientation.w = 1.0
+    wire.timestamp.FromNanoseconds(time_ns)
+    return wire
+
+
+def _poses(positions_mm: FloatArray, time_ns: int) -> PosesInFrame:
+    wire = PosesInFrame(frame_id=ROBOT_FRAME)
+    for x, y, z in positions_mm * METRES_PER_MM:
+        pose = wire.poses.add()
+        pose.position.x, pose.position.y, pose.position.z = x, y, z
+        pose.orientation.w = 1.0
+    wire.timestamp.FromNanoseconds(time_ns)
+    return wire

@@ -26,15 +26,15 @@ def reference() -> str:
 
 def _topics() -> Iterator[str]:
     yield "## Topics\n"
-    yield "| key | type | said by | rate, Hz | stale after, s | delivery | logged | what |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield "| key | type | said by | rate, Hz | stale after, s | logged | what |"
+    yield "|---|---|---|---|---|---|---|"
     for topic in TOPICS:
         rate = "now and then" if topic.rate_hz is None else f"{topic.rate_hz:g}"
         stale = "" if topic.maximum_age_s is None else f"{topic.maximum_age_s:g}"
         logged = "yes" if topic.logged else "no"
         yield (
             f"| `{topic.key}` | {_link(topic.type)} | {topic.said_by} | {rate} | {stale} | "
-            f"{topic.delivery} | {logged} | {topic.meaning} |"
+            f"{logged} | {topic.meaning} |"
         )
 
 

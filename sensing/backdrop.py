@@ -21,11 +21,15 @@ FIT_STRIDE = 16
 
 @dataclass(frozen=True)
 class Backdrop:
-    """One camera's backdrop. `picture` (h, w, 3) BGR is complete at full size; `small` is the reduced one."""
+    """One camera's backdrop. `picture` (h, w, 3) BGR is complete at full size; `small` is the reduced one.
+
+    `surface` (10, 3) are the coefficients of a fitted one.
+    """
 
     picture: Image
     small: Image
     luma: Image
+    surface: FloatArray | None = None
 
     @classmethod
     def from_picture(cls, picture: Image) -> "Backdrop":
@@ -58,6 +62,12 @@ class Backdrop:
             distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
             scale = 2.0 * np.median(distance) + 1.0
             weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
+        return cls.from_surface(coefficients, (width, height))
+
+    @classmethod
+    def from_surface(cls, coefficients: FloatArray, size_px: tuple[int, int]) -> "Backdrop":
+        """The backdrop that was fitted with these coefficients (10, 3), at this size (width, height)."""
+        width, height = size_px
         columns, rows = width // FIT_STRIDE, height // FIT_STRIDE
         centres_y, centres_x = np.mgrid[0:rows, 0:columns]
         across = (centres_x.ravel() + 0.5) / columns - 0.5 / width - 0.5
@@ -65,7 +75,7 @@ class Backdrop:
         surface = (_surface_terms(across, down) @ coefficients).reshape(rows, columns, 3).astype(np.float32)
         smooth = cv2.resize(surface, (width, height), interpolation=cv2.INTER_LINEAR)
         whole = np.asarray(smooth.clip(0, 255).round(), dtype=np.uint8)
-        return cls(whole, reduced(whole), luma(whole))
+        return cls(whole, reduced(whole), luma(whole), coefficients)
 
     def distance(self, small: Image) -> FloatArray:
         """Equation 1: the Euclidean colour distance (h, w) between a reduced picture and the backdrop."""

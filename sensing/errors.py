@@ -5,7 +5,8 @@ NodalError
 |-- UnreadableImageError    bytes that are not a whole picture
 |-- ImageSizeError          a picture whose size is not its calibration's
 |-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
-`-- NodalPointError         a nodal point that is not on the robot
+|-- NodalPointError         a nodal point that is not on the robot
+`-- MemoryMisfitError       a logged memory that is not sensing's, or of a scene with other cameras
 """
 
 from messaging.errors import NodalError
@@ -33,3 +34,7 @@ class RefusedError(SensingError):
 
 class NodalPointError(SensingError):
     """A nodal point lies beyond the robot."""
+
+
+class MemoryMisfitError(SensingError):
+    """A logged memory does not fit."""

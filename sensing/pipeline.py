@@ -69,6 +69,16 @@ class Scene:
 
 
 @dataclass(frozen=True)
+class Track:
+    """What the next frame set's estimate starts from: where the robot was seen last, and against which backdrops."""
+
+    curve: Curve
+    tip: Tip
+    insertion_mm: float
+    backdrops: Mapping[str, Backdrop]
+
+
+@dataclass(frozen=True)
 class Shape:
     """A resolved shape. `stages` are those of the cold start that began it, or None when it followed from a prior."""
 
@@ -81,6 +91,11 @@ class Shape:
     ray_gap_mm: float
     stages: ColdStart | None
     stage_s: Mapping[str, float]
+
+    @property
+    def track(self) -> Track:
+        """What the next estimate needs of this one."""
+        return Track(self.fit.curve, self.tip, self.insertion_mm, self.backdrops)
 
     @property
     def length_mm(self) -> float:
@@ -120,12 +135,12 @@ def estimate(
     pictures: Mapping[str, Picture],
     scene: Scene,
     insertion_mm: float,
-    last: Shape | None,
+    last: Track | None,
     clock: Callable[[], float],
 ) -> Shape:
     """The shape in one set of pictures, one for each of the scene's cameras.
 
-    `last` is the shape of the set before, or None; `clock` gives seconds and is read only for `stage_s`. Raises
+    `last` is the track of the set before, or None; `clock` gives seconds and is read only for `stage_s`. Raises
     RefusedError when no shape can be resolved, UnreadableImageError or ImageSizeError for a bad picture.
     """
     watch = _Stopwatch(clock)
@@ -169,10 +184,10 @@ def covered_nodes(points: NodalPoints, length_mm: float) -> NodalPoints:
 
 
 def _warm(
-    pictures: Mapping[str, Picture], scene: Scene, insertion_mm: float, last: Shape, watch: "_Stopwatch"
+    pictures: Mapping[str, Picture], scene: Scene, insertion_mm: float, last: Track, watch: "_Stopwatch"
 ) -> Shape:
     lift = np.array([0.0, 0.0, insertion_mm - last.insertion_mm])
-    start = Curve(last.fit.curve.control_mm + lift, last.fit.curve.length_mm, last.fit.curve.radius_mm)
+    start = Curve(last.curve.control_mm + lift, last.curve.length_mm, last.curve.radius_mm)
     prior = Prior(insertion_mm, scene.length_mm)
     views = tuple(
         _view_around(camera, pictures[camera.name], last.backdrops[camera.name], start)

@@ -20,6 +20,7 @@ from messaging import topics
 from messaging.control import Reply, TendonState
 from messaging.errors import NodalError
 from messaging.frames import CameraCalibration, Frame
+from messaging.history import Asked, Memory
 from messaging.session import Newest, Query, Session
 from messaging.settings import RobotSettings
 from messaging.shape import NodalPoints
@@ -32,6 +33,7 @@ logger = logging.getLogger(__name__)
 
 POLL_S = 0.002
 RIG_PERIOD_S = 1.0
+MEMORY_PERIOD_NS = 1_000_000_000
 SILENCE_S = 2.0
 
 
@@ -62,7 +64,7 @@ def run(
     with open_cameras(cameras, session) as sources:
         while not stop.is_set():
             while (question := questions.take()) is not None:
-                question.reply(_renamed(sensor, question))
+                _rename(sensor, speaker, question)
             frames = [frame for source in sources if (frame := source.read()) is not None]
             silence = _silence_told(silence, cameras, [frame.name for frame in frames])
             frame_sets = [frame_set for frame in frames if (frame_set := pairing.feed(frame)) is not None]
@@ -94,6 +96,9 @@ class _Speaker:
             for topic, view in ((topics.CAMERA_CALIBRATION, CameraView), (topics.CAMERA_POSE, CameraPoseView))
         ]
         self._rig_due_s = 0.0
+        self._memory = session.publisher(topics.SENSING_MEMORY)
+        self._memory_due_ns = 0
+        self._asked = session.publisher(topics.ASKED)
         self._sequence = -1
         # the log's clock is Unix time; ages are measured on the monotonic clock that stamps the captures
         self._unix_from_monotonic_ns = time.time_ns() - time.monotonic_ns()
@@ -116,9 +121,24 @@ class _Speaker:
         self._shape.put(estimate)
         if estimate.refusal:
             logger.warning("no shape in frame set %d: %s", estimate.sequence, estimate.refusal)
-            return
-        self._centreline.put(CentrelineView.of(estimate))
-        self._nodal_points.put(NodalPointsView.of(estimate))
+        else:
+            self._centreline.put(CentrelineView.of(estimate))
+            self._nodal_points.put(NodalPointsView.of(estimate))
+        if estimate.capture_time_ns >= self._memory_due_ns:
+            self._memory_due_ns = estimate.capture_time_ns + MEMORY_PERIOD_NS
+            self._memory.put(Memory(time_ns=estimate.capture_time_ns, content=sensor.memory.to_bytes()))
+
+    def say_asked(self, request: bytes, reply: Reply) -> None:
+        self._asked.put(
+            Asked(
+                time_ns=time.time_ns(),
+                service=topics.SENSING_NODES.key,
+                request=request,
+                accepted=reply.accepted,
+                state=reply.state,
+                reason=reply.reason,
+            )
+        )
 
     def say_rig(self) -> None:
         if time.monotonic() >= self._rig_due_s:
@@ -159,11 +179,13 @@ def _silence_told(silence: SilenceWatch, cameras: Iterable[str], heard: Iterable
     return silence
 
 
-def _renamed(sensor: Sensor, question: Query) -> Reply:
+def _rename(sensor: Sensor, speaker: _Speaker, question: Query) -> None:
     try:
         points = question.request()
         if isinstance(points, NodalPoints):
             sensor.name_points(points)
-        return Reply(accepted=True, state="", reason="")
+        reply = Reply(accepted=True, state="", reason="")
     except NodalError as error:
-        return Reply(accepted=False, state="", reason=str(error))
+        reply = Reply(accepted=False, state="", reason=str(error))
+    speaker.say_asked(question.payload, reply)
+    question.reply(reply)

@@ -111,7 +111,7 @@ class TendonCommand(_message.Message):
     def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., capture_to_command_ns: _Optional[int] = ...) -> None: ...
 
 class TendonState(_message.Message):
-    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "current_ma", "temperature_c", "voltage_v", "hardware_error", "torque")
+    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "current_ma", "temperature_c", "voltage_v", "hardware_error", "torque", "displacement_mm_s", "insertion_mm_s")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     DISPLACEMENT_MM_FIELD_NUMBER: _ClassVar[int]
     INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
@@ -120,6 +120,8 @@ class TendonState(_message.Message):
     VOLTAGE_V_FIELD_NUMBER: _ClassVar[int]
     HARDWARE_ERROR_FIELD_NUMBER: _ClassVar[int]
     TORQUE_FIELD_NUMBER: _ClassVar[int]
+    DISPLACEMENT_MM_S_FIELD_NUMBER: _ClassVar[int]
+    INSERTION_MM_S_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     displacement_mm: _containers.RepeatedScalarFieldContainer[float]
     insertion_mm: float
@@ -128,10 +130,12 @@ class TendonState(_message.Message):
     voltage_v: _containers.RepeatedScalarFieldContainer[float]
     hardware_error: _containers.RepeatedScalarFieldContainer[float]
     torque: bool
-    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ...) -> None: ...
+    displacement_mm_s: _containers.RepeatedScalarFieldContainer[float]
+    insertion_mm_s: float
+    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ..., displacement_mm_s: _Optional[_Iterable[float]] = ..., insertion_mm_s: _Optional[float] = ...) -> None: ...
 
 class ControllerState(_message.Message):
-    __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns")
+    __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns", "now_s", "dt_s", "sighted_capture_ns", "sighted_age_s", "drive_absence", "commanded")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
@@ -145,6 +149,12 @@ class ControllerState(_message.Message):
     LATENESS_S_FIELD_NUMBER: _ClassVar[int]
     BUSY_S_FIELD_NUMBER: _ClassVar[int]
     OVERRUNS_FIELD_NUMBER: _ClassVar[int]
+    NOW_S_FIELD_NUMBER: _ClassVar[int]
+    DT_S_FIELD_NUMBER: _ClassVar[int]
+    SIGHTED_CAPTURE_NS_FIELD_NUMBER: _ClassVar[int]
+    SIGHTED_AGE_S_FIELD_NUMBER: _ClassVar[int]
+    DRIVE_ABSENCE_FIELD_NUMBER: _ClassVar[int]
+    COMMANDED_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     state: str
     reason: str
@@ -158,4 +168,42 @@ class ControllerState(_message.Message):
     lateness_s: float
     busy_s: float
     overruns: int
-    def __init__(self, time_ns: _Optional[int] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., target_name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., desired_mm: _Optional[_Iterable[float]] = ..., measured_mm: _Optional[_Iterable[float]] = ..., tracking_error_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., shape_age_s: _Optional[float] = ..., lateness_s: _Optional[float] = ..., busy_s: _Optional[float] = ..., overruns: _Optional[int] = ...) -> None: ...
+    now_s: float
+    dt_s: float
+    sighted_capture_ns: int
+    sighted_age_s: float
+    drive_absence: str
+    commanded: bool
+    def __init__(self, time_ns: _Optional[int] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., target_name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., desired_mm: _Optional[_Iterable[float]] = ..., measured_mm: _Optional[_Iterable[float]] = ..., tracking_error_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., shape_age_s: _Optional[float] = ..., lateness_s: _Optional[float] = ..., busy_s: _Optional[float] = ..., overruns: _Optional[int] = ..., now_s: _Optional[float] = ..., dt_s: _Optional[float] = ..., sighted_capture_ns: _Optional[int] = ..., sighted_age_s: _Optional[float] = ..., drive_absence: _Optional[str] = ..., commanded: _Optional[bool] = ...) -> None: ...
+
+class Asked(_message.Message):
+    __slots__ = ("time_ns", "service", "request", "accepted", "state", "reason")
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    SERVICE_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_FIELD_NUMBER: _ClassVar[int]
+    ACCEPTED_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    time_ns: int
+    service: str
+    request: bytes
+    accepted: bool
+    state: str
+    reason: str
+    def __init__(self, time_ns: _Optional[int] = ..., service: _Optional[str] = ..., request: _Optional[bytes] = ..., accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
+
+class Memory(_message.Message):
+    __slots__ = ("time_ns", "content")
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    CONTENT_FIELD_NUMBER: _ClassVar[int]
+    time_ns: int
+    content: bytes
+    def __init__(self, time_ns: _Optional[int] = ..., content: _Optional[bytes] = ...) -> None: ...
+
+class RecorderRequest(_message.Message):
+    __slots__ = ("action", "file")
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    FILE_FIELD_NUMBER: _ClassVar[int]
+    action: str
+    file: str
+    def __init__(self, action: _Optional[str] = ..., file: _Optional[str] = ...) -> None: ...

@@ -70,7 +70,7 @@ def _value(kind, field, shape):
         return st.sampled_from(field.type)
     if field.type is int:
         return INTEGERS[kind.protobuf.DESCRIPTOR.fields_by_name[field.name].type]
-    return {float: NUMBER, str: TEXT, bool: st.booleans()}[field.type]
+    return {float: NUMBER, str: TEXT, bool: st.booleans(), bytes: st.binary(max_size=8)}[field.type]
 
 
 def _different_names(count):

@@ -78,6 +78,12 @@ def state(sequence, capture_ns, off_mm, target=CIRCLE):
         lateness_s=0.002,
         busy_s=0.001,
         overruns=0,
+        now_s=0.0,
+        dt_s=0.005,
+        sighted_capture_ns=0,
+        sighted_age_s=0.0,
+        drive_absence="",
+        commanded=True,
     )
 
 

@@ -69,7 +69,9 @@ class Outside:
             TendonState(
                 time_ns=time.time_ns(),
                 displacement_mm=np.zeros(4),
+                displacement_mm_s=np.zeros(4),
                 insertion_mm=insertion_mm,
+                insertion_mm_s=0.0,
                 current_ma=np.zeros(5),
                 temperature_c=np.zeros(5),
                 voltage_v=np.zeros(5),

@@ -18,7 +18,9 @@ def at_height(insertion_mm, time_ns=NOW_NS):
     return TendonState(
         time_ns=time_ns,
         displacement_mm=np.zeros(4),
+        displacement_mm_s=np.zeros(4),
         insertion_mm=insertion_mm,
+        insertion_mm_s=0.0,
         current_ma=np.zeros(5),
         temperature_c=np.zeros(5),
         voltage_v=np.zeros(5),

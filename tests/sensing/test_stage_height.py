@@ -14,7 +14,9 @@ def report(after_s, insertion_mm):
     return TendonState(
         time_ns=NOW_NS + round(after_s * SECOND_NS),
         displacement_mm=np.zeros(4),
+        displacement_mm_s=np.zeros(4),
         insertion_mm=insertion_mm,
+        insertion_mm_s=0.0,
         current_ma=np.zeros(5),
         temperature_c=np.zeros(5),
         voltage_v=np.zeros(5),

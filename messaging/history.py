@@ -1,0 +1,41 @@
+"""What makes a run repeatable from its log, beside inputs and outputs: what was asked, and what processes remember."""
+
+import dataclasses
+from typing import ClassVar
+
+from google.protobuf.message import Message as ProtobufMessage
+
+from messaging.generated import nodal_pb2
+from messaging.message import Message
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Asked(Message):
+    """What an operator asked of the service with this key, and what was answered.
+
+    `request` are the bytes of the service's request type. `time_ns` is that of the controller's cycle which answered, or
+    the Unix time at which another process did.
+    """
+
+    protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.Asked
+
+    time_ns: int
+    service: str
+    request: bytes
+    accepted: bool
+    state: str
+    reason: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Memory(Message):
+    """What a process carries from one step to the next; said now and then, so that a replay can begin in a log's middle.
+
+    It is what was left by the controller's cycle of this `time_ns`, or by the frame set captured then. `content` is a
+    snapshot (messaging/snapshot.py) of the process' own type.
+    """
+
+    protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.Memory
+
+    time_ns: int
+    content: bytes
