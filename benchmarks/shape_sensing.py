@@ -71,7 +71,7 @@ def _costs(scene: Scene, frames: dict[str, bytes], last: Shape) -> None:
     decoded = {name: scene.picture(name, jpeg) for name, jpeg in frames.items()}
     for picture in decoded.values():
         _ = picture.luma
-    after_decoding = _median_ms(lambda: estimate(decoded, scene, 0.0, last, time.perf_counter))
+    after_decoding = _median_ms(lambda: estimate(decoded, scene, 0.0, last.track, time.perf_counter))
     in_range = _median_ms(lambda: [cv2.inRange(colour, (0, 0, 0), (90, 90, 90)) for colour in colours])
     decode = _median_ms(lambda: [cv2.imdecode(jpeg, cv2.IMREAD_COLOR) for jpeg in data])
     print("warm estimate of one 1080p pair, medians on one thread")
@@ -85,7 +85,7 @@ def _costs(scene: Scene, frames: dict[str, bytes], last: Shape) -> None:
 
 def _estimate(scene: Scene, frames: dict[str, bytes], last: Shape | None) -> Shape:
     pictures = {name: scene.picture(name, jpeg) for name, jpeg in frames.items()}
-    return estimate(pictures, scene, 0.0, last, time.perf_counter)
+    return estimate(pictures, scene, 0.0, None if last is None else last.track, time.perf_counter)
 
 
 def _errors(shape: Shape, truth: NDArray[np.float64]) -> NDArray[np.float64]:

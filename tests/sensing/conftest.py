@@ -182,7 +182,8 @@ def look():
     ) -> Shape:
         decoded_late = {name: scene.picture(name, data) for name, data in pictures.items()}
         ticks = iter(range(1000))
-        return estimate(decoded_late, scene, insertion_mm, last, lambda: float(next(ticks)))
+        before = None if last is None else last.track
+        return estimate(decoded_late, scene, insertion_mm, before, lambda: float(next(ticks)))
 
     return _look
 
