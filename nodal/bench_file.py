@@ -15,9 +15,9 @@ from drivers.simulated.settings import SimulationSettings
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings, ZenohSettings
 from nodal.bench_checks import check_bench
-from nodal.calibration_file import load_rig
+from nodal.calibration_file import load_rig, rig_in, rig_text
 from nodal.errors import BenchFileError
-from nodal.toml_file import Table, read_table, settings_from, written
+from nodal.toml_file import Table, merged, read_table, settings_from, table_in, written
 from recordings.settings import RecorderSettings
 from sensing.settings import SensingSettings
 
@@ -55,22 +55,27 @@ class BenchSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 class Bench:
     """A bench file that was read and found consistent, with the files that it names.
 
-    `rig` holds the bench's cameras in the bench file's order; `backgrounds` pictures of their views without the robot.
+    `rig` holds the bench's cameras in the bench file's order; `backgrounds` pictures of their views without the robot;
+    `calibration` is the calibration file.
     """
 
     path: Path
     settings: BenchSettings
     rig: tuple[CameraCalibration, ...]
     backgrounds: Mapping[str, bytes]
+    calibration: bytes
 
     def text(self) -> str:
         """The effective bench file: every setting with the value in force, paths absolute."""
         return written(msgspec.to_builtins(self.settings))
 
     def attachments(self) -> dict[str, bytes]:
-        """What belongs into every recording: the effective bench file and the calibration as it stands."""
-        calibration = Path(self.settings.calibration).read_bytes()
-        return {BENCH_ATTACHMENT: self.text().encode(), CALIBRATION_ATTACHMENT: calibration}
+        """What belongs into every recording, so that it can be replayed: effective bench file, calibration, backgrounds."""
+        return {
+            BENCH_ATTACHMENT: self.text().encode(),
+            CALIBRATION_ATTACHMENT: self.calibration,
+            **{_background_attachment(name): picture for name, picture in self.backgrounds.items()},
+        }
 
 
 def load_bench(config: str | Path) -> Bench:
@@ -82,17 +87,50 @@ def load_bench(config: str | Path) -> Bench:
         _resolve(table, key, path.parent)
     for key in PATHS_TO_MAKE:
         _resolve(table, key, work)
-    settings = settings_from(table, BenchSettings, path)
-    calibrated = {camera.camera: camera for camera in load_rig(Path(settings.calibration))}
-    check_bench(path, settings, calibrated)
-    rig = tuple(calibrated[name] for name in settings.cameras)
+    settings = settings_from(table, BenchSettings, str(path))
+    return _checked(
+        path,
+        settings,
+        load_rig(Path(settings.calibration)),
+        {name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()},
+    )
+
+
+def recorded_bench(source: Path, attachments: Mapping[str, bytes], changes: Table) -> Bench:
+    """The bench that made a recording, from the files attached to it; `changes` are tables that replace what they name.
+
+    Raises BenchFileError or CalibrationFileError, which begin with `source`.
+    """
+    for name in (BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT):
+        if name not in attachments:
+            raise BenchFileError(f"{source}: no {name} is attached")
+    inside = f"{source}, attachment"
+    table = table_in(attachments[BENCH_ATTACHMENT], f"{inside} {BENCH_ATTACHMENT}")
+    settings = settings_from(merged(table, changes), BenchSettings, f"{inside} {BENCH_ATTACHMENT}")
+    backgrounds = {}
+    for camera in settings.sensing.background:
+        name = _background_attachment(camera)
+        if name not in attachments:
+            raise BenchFileError(f"{source}: no {name} is attached")
+        backgrounds[camera] = attachments[name]
+    rig = rig_in(attachments[CALIBRATION_ATTACHMENT], f"{inside} {CALIBRATION_ATTACHMENT}")
+    return _checked(source, settings, rig, backgrounds)
+
+
+def _checked(
+    path: Path,
+    settings: BenchSettings,
+    calibrated: tuple[CameraCalibration, ...],
+    backgrounds: Mapping[str, bytes],
+) -> Bench:
+    rig = {camera.camera: camera for camera in calibrated}
+    check_bench(path, settings, rig)
     return Bench(
         path=path,
         settings=settings,
-        rig=rig,
-        backgrounds={
-            name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()
-        },
+        rig=tuple(rig[name] for name in settings.cameras),
+        backgrounds=backgrounds,
+        calibration=rig_text(calibrated).encode(),
     )
 
 
@@ -116,6 +154,10 @@ def make_folder(folder: Path, what: str) -> Path:
     except OSError as error:
         raise BenchFileError(f"{what} = {folder}: cannot be made: {error.strerror}") from error
     return folder
+
+
+def _background_attachment(camera: str) -> str:
+    return f"background-{camera}"
 
 
 def _resolve(table: Table, key: tuple[str, ...], folder: Path) -> None:

@@ -54,6 +54,14 @@ def rig_in(data: bytes, source: str) -> tuple[CameraCalibration, ...]:
 
 def save_rig(path: Path, cameras: Sequence[CameraCalibration]) -> None:
     """Write cameras as a calibration file that `load_rig` reads back exactly; raises CalibrationFileError."""
+    try:
+        path.write_text(rig_text(cameras), encoding="utf-8")
+    except OSError as error:
+        raise CalibrationFileError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def rig_text(cameras: Sequence[CameraCalibration]) -> str:
+    """The calibration file of these cameras."""
     rig = {
         "format": "nodal-rig/1",
         "units": "mm",
@@ -68,10 +76,7 @@ def save_rig(path: Path, cameras: Sequence[CameraCalibration]) -> None:
             for camera in cameras
         },
     }
-    try:
-        path.write_text(NUMBERS.sub(_on_one_line, json.dumps(rig, indent=1)) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise CalibrationFileError(f"{path}: cannot be written: {error.strerror}") from error
+    return NUMBERS.sub(_on_one_line, json.dumps(rig, indent=1)) + "\n"
 
 
 def rig_from_matrices(

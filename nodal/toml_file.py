@@ -24,25 +24,41 @@ STEP = re.compile(r"\.(?P<name>[^.\[]+)|\[(?P<item>\d+|\.\.\.)\]")
 def read_table(path: Path) -> Table:
     """The file's tables, all numbers finite; raises BenchFileError."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        return table_in(path.read_bytes(), str(path))
     except FileNotFoundError as error:
         raise BenchFileError(f"{path}: no such file") from error
     except OSError as error:
         raise BenchFileError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def table_in(data: bytes, source: str) -> Table:
+    """The tables in a TOML file's bytes, all numbers finite; raises BenchFileError, which begins with `source`."""
+    try:
+        table = tomllib.loads(data.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BenchFileError(f"{path}: not TOML: {error}") from error
+        raise BenchFileError(f"{source}: not TOML: {error}") from error
     for key, value in _leaves(table):
         if isinstance(value, float) and not math.isfinite(value):
-            raise BenchFileError(f"{path}: {dotted(key)} = {value}: it must be a finite number")
+            raise BenchFileError(f"{source}: {dotted(key)} = {value}: it must be a finite number")
     return table
 
 
-def settings_from(table: Table, kind: type[T], path: Path) -> T:
+def settings_from(table: Table, kind: type[T], source: str) -> T:
     """The table as a settings struct; raises BenchFileError for whatever the struct does not allow."""
     try:
         return msgspec.convert(table, kind)
     except msgspec.ValidationError as error:
-        raise BenchFileError(f"{path}: {_explained(error, table, kind)}") from error
+        raise BenchFileError(f"{source}: {_explained(error, table, kind)}") from error
+
+
+def merged(table: Table, changes: Table) -> Table:
+    """The table with the values of `changes` in place of its own; tables are merged, everything else is replaced."""
+    return table | {
+        key: merged(table[key], value)
+        if isinstance(value, dict) and isinstance(table.get(key), dict)
+        else value
+        for key, value in changes.items()
+    }
 
 
 def dotted(key: Key) -> str:

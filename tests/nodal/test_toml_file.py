@@ -30,7 +30,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 def settings(tmp_path, text):
     file = tmp_path / "bench.toml"
     file.write_text(text, encoding="utf-8")
-    return settings_from(read_table(file), Settings, file)
+    return settings_from(read_table(file), Settings, str(file))
 
 
 def test_settings_are_read(tmp_path):
