@@ -10,8 +10,8 @@ from nodal.bench_file import CALIBRATION_ATTACHMENT
 from nodal.calibration_file import rig_in
 from nodal.errors import ReportError
 from nodal.report.bench_run import BenchRun
-from recordings.parts import parts
-from recordings.reader import Recorded, attachments, messages, metadata
+from recordings import Log
+from recordings.reader import Recorded
 
 DECODED = (topics.SHAPE, topics.TRUTH, topics.CONTROLLER_STATE, topics.TENDON_COMMAND, topics.TARGET)
 
@@ -19,28 +19,22 @@ LOGGED_WITHIN_NS = 1_000_000_000
 
 
 def load_run(recording: Path) -> BenchRun:
-    """Everything but pictures, from all parts; raises ReportError when there is no such recording, RecordingError."""
-    files = parts(recording)
-    if not files:
-        raise ReportError(f"{recording}: there is no such recording")
-    run = BenchRun(rig=_rig(files[0]), losses=sum(_lost(file) for file in files))
-    for file in files:
-        for recorded in messages(file, (*DECODED, topics.CAMERA)):
-            _sort_in(run, recorded)
+    """Everything but pictures, from all parts; raises ReportError, or RecordingError when there is no such recording."""
+    log = Log(recording)
+    run = BenchRun(rig=_rig(log), losses=_lost(log))
+    for recorded in log.messages((*DECODED, topics.CAMERA)):
+        _sort_in(run, recorded)
     return run
 
 
 def frame_set(recording: Path, time_ns: int) -> dict[str, Frame]:
     """Each camera's frame that was captured nearest to this Unix time."""
     frames: dict[str, Frame] = {}
-    for file in parts(recording):
-        for recorded in messages(file, (topics.CAMERA,)):
-            if not time_ns <= recorded.log_time_ns <= time_ns + LOGGED_WITHIN_NS:
-                continue
-            if isinstance(frame := recorded.message, Frame):
-                nearest = frames.setdefault(frame.camera, frame)
-                if abs(frame.capture_time_ns - time_ns) < abs(nearest.capture_time_ns - time_ns):
-                    frames[frame.camera] = frame
+    for recorded in Log(recording).messages((topics.CAMERA,), time_ns, time_ns + LOGGED_WITHIN_NS):
+        if isinstance(frame := recorded.message, Frame):
+            nearest = frames.setdefault(frame.camera, frame)
+            if abs(frame.capture_time_ns - time_ns) < abs(nearest.capture_time_ns - time_ns):
+                frames[frame.camera] = frame
     return frames
 
 
@@ -62,14 +56,17 @@ def _sort_in(run: BenchRun, recorded: Recorded) -> None:
             run.targets[target.name] = target
 
 
-def _rig(file: Path) -> tuple[CameraCalibration, ...]:
-    attached = attachments(file)
-    if CALIBRATION_ATTACHMENT not in attached:
-        raise ReportError(f"{file}: no {CALIBRATION_ATTACHMENT} is attached")
-    return rig_in(attached[CALIBRATION_ATTACHMENT], f"{file}, attachment {CALIBRATION_ATTACHMENT}")
+def _rig(log: Log) -> tuple[CameraCalibration, ...]:
+    if CALIBRATION_ATTACHMENT not in log.attachments:
+        raise ReportError(f"{log.path}: no {CALIBRATION_ATTACHMENT} is attached")
+    return rig_in(log.attachments[CALIBRATION_ATTACHMENT], f"{log.path}, attachment {CALIBRATION_ATTACHMENT}")
 
 
-def _lost(file: Path) -> int:
+def _lost(log: Log) -> int:
     """What the recorder counted as lost; a part that was cut off holds no count."""
-    summary = metadata(file).get("SUMMARY", {})
-    return sum(int(count) for key, count in summary.items() if key.startswith("lost/"))
+    return sum(
+        int(count)
+        for summary in log.metadata("SUMMARY").values()
+        for key, count in summary.items()
+        if key.startswith("lost/")
+    )
