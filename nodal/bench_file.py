@@ -1,7 +1,7 @@
 """The bench file: one TOML file that composes the settings of every room. docs/bench-file.md says what each key means."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
@@ -92,7 +92,7 @@ def load_bench(config: str | Path) -> Bench:
         path,
         settings,
         load_rig(Path(settings.calibration)),
-        {name: _read(path, name, Path(file)) for name, file in settings.sensing.background.items()},
+        lambda camera: _read(path, camera, Path(settings.sensing.background[camera])),
     )
 
 
@@ -101,27 +101,24 @@ def recorded_bench(source: Path, attachments: Mapping[str, bytes], changes: Tabl
 
     Raises BenchFileError or CalibrationFileError, which begin with `source`.
     """
-    for name in (BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT):
+
+    def attached(name: str) -> bytes:
         if name not in attachments:
             raise BenchFileError(f"{source}: no {name} is attached")
+        return attachments[name]
+
     inside = f"{source}, attachment"
-    table = table_in(attachments[BENCH_ATTACHMENT], f"{inside} {BENCH_ATTACHMENT}")
+    table = table_in(attached(BENCH_ATTACHMENT), f"{inside} {BENCH_ATTACHMENT}")
     settings = settings_from(merged(table, changes), BenchSettings, f"{inside} {BENCH_ATTACHMENT}")
-    backgrounds = {}
-    for camera in settings.sensing.background:
-        name = _background_attachment(camera)
-        if name not in attachments:
-            raise BenchFileError(f"{source}: no {name} is attached")
-        backgrounds[camera] = attachments[name]
-    rig = rig_in(attachments[CALIBRATION_ATTACHMENT], f"{inside} {CALIBRATION_ATTACHMENT}")
-    return _checked(source, settings, rig, backgrounds)
+    rig = rig_in(attached(CALIBRATION_ATTACHMENT), f"{inside} {CALIBRATION_ATTACHMENT}")
+    return _checked(source, settings, rig, lambda camera: attached(_background_attachment(camera)))
 
 
 def _checked(
     path: Path,
     settings: BenchSettings,
     calibrated: tuple[CameraCalibration, ...],
-    backgrounds: Mapping[str, bytes],
+    background_of: Callable[[str], bytes],
 ) -> Bench:
     rig = {camera.camera: camera for camera in calibrated}
     check_bench(path, settings, rig)
@@ -129,7 +126,7 @@ def _checked(
         path=path,
         settings=settings,
         rig=tuple(rig[name] for name in settings.cameras),
-        backgrounds=backgrounds,
+        backgrounds={camera: background_of(camera) for camera in settings.sensing.background},
         calibration=rig_text(calibrated).encode(),
     )
 
