@@ -19,6 +19,7 @@ COMMANDS = {
     "sense": "run shape sensing",
     "control": "run the controller",
     "record": "run the recorder",
+    "log": "look into a recording, check it, recover it, cut it",
 }
 
 ERROR, INTERRUPTED = 2, 130

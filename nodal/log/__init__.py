@@ -1,0 +1,1 @@
+"""`nodal log`: one file a subcommand, and what they share."""
