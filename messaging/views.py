@@ -9,7 +9,6 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
-from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from google.protobuf.message import Message as ProtobufMessage
 
 from messaging.checked import FloatArray
@@ -20,6 +19,15 @@ from messaging.shape import ShapeEstimate
 
 ROBOT_FRAME = "robot"
 METRES_PER_MM = 1e-3
+
+AXES, PARTS = ("x", "y", "z"), ("red", "green", "blue", "alpha")
+POINT = np.dtype([*((axis, "<f4") for axis in AXES), *((part, "u1") for part in PARTS)])
+
+Colour = tuple[int, int, int]
+MEASURED: Colour = (88, 200, 255)
+NODE: Colour = (232, 62, 86)
+DESIRED: Colour = (126, 211, 112)
+PATH: Colour = (196, 202, 206)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,18 +55,18 @@ class CentrelineView(View):
     @classmethod
     def of(cls, estimate: ShapeEstimate) -> Self:
         """Points in the robot frame at the capture time."""
-        return cls(wire=_cloud(estimate.centreline_mm, estimate.capture_time_ns))
+        return cls(wire=_cloud(estimate.centreline_mm, MEASURED, estimate.capture_time_ns))
 
 
 class NodalPointsView(View):
-    """A ShapeEstimate's nodal points as foxglove.PosesInFrame."""
+    """A ShapeEstimate's nodal points as foxglove.PointCloud."""
 
-    protobuf: ClassVar[type[ProtobufMessage]] = PosesInFrame
+    protobuf: ClassVar[type[ProtobufMessage]] = PointCloud
 
     @classmethod
     def of(cls, estimate: ShapeEstimate) -> Self:
-        """Positions in the robot frame at the capture time; orientations are left at identity."""
-        return cls(wire=_poses(estimate.node_mm, estimate.capture_time_ns))
+        """Points in the robot frame at the capture time."""
+        return cls(wire=_cloud(estimate.node_mm, NODE, estimate.capture_time_ns))
 
 
 class TargetPathView(View):
@@ -69,18 +77,19 @@ class TargetPathView(View):
     @classmethod
     def of(cls, target: Target, time_ns: int) -> Self:
         """Points in the robot frame, from the Unix time when the target was accepted."""
-        return cls(wire=_cloud(target.position_mm[:, target.weights > 0].reshape(-1, 3), time_ns))
+        places_mm = target.position_mm[:, target.weights > 0].reshape(-1, 3)
+        return cls(wire=_cloud(places_mm, PATH, time_ns))
 
 
 class DesiredPointsView(View):
-    """Where a ControllerState's nodal points should be as foxglove.PosesInFrame."""
+    """Where a ControllerState's nodal points should be as foxglove.PointCloud."""
 
-    protobuf: ClassVar[type[ProtobufMessage]] = PosesInFrame
+    protobuf: ClassVar[type[ProtobufMessage]] = PointCloud
 
     @classmethod
     def of(cls, state: ControllerState) -> Self:
-        """Positions in the robot frame; orientations are left at identity."""
-        return cls(wire=_poses(state.desired_mm, state.time_ns))
+        """Points in the robot frame at the time of the controller's cycle."""
+        return cls(wire=_cloud(state.desired_mm, DESIRED, state.time_ns))
 
 
 class CameraView(View):
@@ -89,8 +98,8 @@ class CameraView(View):
     protobuf: ClassVar[type[ProtobufMessage]] = FoxgloveCalibration
 
     @classmethod
-    def of(cls, calibration: CameraCalibration) -> Self:
-        """K, distortion and size; the pose is a CameraPoseView."""
+    def of(cls, calibration: CameraCalibration, time_ns: int) -> Self:
+        """K, distortion and size, as they are at this Unix time; the pose is a CameraPoseView."""
         wire = FoxgloveCalibration(
             frame_id=calibration.camera,
             width=calibration.width_px,
@@ -101,6 +110,7 @@ class CameraView(View):
             R=np.eye(3).ravel(),
             P=np.hstack([calibration.intrinsics, np.zeros((3, 1))]).ravel(),
         )
+        wire.timestamp.FromNanoseconds(time_ns)
         return cls(wire=wire)
 
 
@@ -110,9 +120,9 @@ class CameraPoseView(View):
     protobuf: ClassVar[type[ProtobufMessage]] = FrameTransform
 
     @classmethod
-    def of(cls, calibration: CameraCalibration) -> Self:
-        """The transform that takes camera coordinates to the robot frame."""
-        from scipy.spatial.transform import Rotation  # noqa: PLC0415  imported late: slow, and needed once a run
+    def of(cls, calibration: CameraCalibration, time_ns: int) -> Self:
+        """The transform that takes camera coordinates to the robot frame, as it is at this Unix time."""
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415  imported late: slow, and only sensing needs it
 
         robot_from_camera = np.linalg.inv(calibration.camera_from_robot)
         wire = FrameTransform(parent_frame_id=ROBOT_FRAME, child_frame_id=calibration.camera)
@@ -120,6 +130,7 @@ class CameraPoseView(View):
         wire.translation.x, wire.translation.y, wire.translation.z = x, y, z
         x, y, z, w = Rotation.from_matrix(robot_from_camera[:3, :3]).as_quat()
         wire.rotation.x, wire.rotation.y, wire.rotation.z, wire.rotation.w = x, y, z, w
+        wire.timestamp.FromNanoseconds(time_ns)
         return cls(wire=wire)
 
 
@@ -136,21 +147,18 @@ class LogLine(View):
         return cls(wire=wire)
 
 
-def _cloud(points_mm: FloatArray, time_ns: int) -> PointCloud:
-    points = (points_mm * METRES_PER_MM).astype("<f4")
-    wire = PointCloud(frame_id=ROBOT_FRAME, point_stride=12, data=points.tobytes())
-    for offset, axis in enumerate("xyz"):
-        wire.fields.add(name=axis, offset=4 * offset, type=PackedElementField.FLOAT32)
+def _cloud(points_mm: FloatArray, colour: Colour, time_ns: int) -> PointCloud:
+    """Points (N, 3), each with its colour: without one, viewers paint every cloud alike, by height."""
+    points = np.empty(len(points_mm), POINT)
+    for axis, along_mm in zip(AXES, points_mm.T, strict=True):
+        points[axis] = along_mm * METRES_PER_MM
+    for part, value in zip(PARTS, (*colour, 255), strict=True):
+        points[part] = value
+    wire = PointCloud(frame_id=ROBOT_FRAME, point_stride=POINT.itemsize, data=points.tobytes())
+    for number, axis in enumerate(AXES):
+        wire.fields.add(name=axis, offset=4 * number, type=PackedElementField.FLOAT32)
+    for number, part in enumerate(PARTS):
+        wire.fields.add(name=part, offset=4 * len(AXES) + number, type=PackedElementField.UINT8)
     wire.pose.orientation.w = 1.0
-    wire.timestamp.FromNanoseconds(time_ns)
-    return wire
-
-
-def _poses(positions_mm: FloatArray, time_ns: int) -> PosesInFrame:
-    wire = PosesInFrame(frame_id=ROBOT_FRAME)
-    for x, y, z in positions_mm * METRES_PER_MM:
-        pose = wire.poses.add()
-        pose.position.x, pose.position.y, pose.position.z = x, y, z
-        pose.orientation.w = 1.0
     wire.timestamp.FromNanoseconds(time_ns)
     return wire

@@ -91,7 +91,7 @@ class _Speaker:
         self._centreline = session.publisher(topics.CENTRELINE)
         self._nodal_points = session.publisher(topics.NODAL_POINTS)
         self._rig = [
-            (session.publisher(topic.named(known.camera)), view.of(known))
+            (session.publisher(topic.named(known.camera)), view, known)
             for known in calibrations
             for topic, view in ((topics.CAMERA_CALIBRATION, CameraView), (topics.CAMERA_POSE, CameraPoseView))
         ]
@@ -143,8 +143,8 @@ class _Speaker:
     def say_rig(self) -> None:
         if time.monotonic() >= self._rig_due_s:
             self._rig_due_s = time.monotonic() + RIG_PERIOD_S
-            for publisher, view in self._rig:
-                publisher.put(view)
+            for publisher, view, known in self._rig:
+                publisher.put(view.of(known, time.time_ns()))
 
 
 def _configured(settings: SensingSettings) -> NodalPoints:

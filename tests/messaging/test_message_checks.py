@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
 
 from messaging.control import Action, ActionRequest, ControllerState, State, Target, TendonCommand
 from messaging.errors import CodecError, InvalidMessageError
@@ -151,18 +152,27 @@ def test_a_frame_keeps_the_cameras_own_bytes():
     assert Frame.from_bytes(frame.to_bytes()).capture_time_ns == 1_700_000_000_123_456_789
 
 
+WIRE_TYPES = {PackedElementField.FLOAT32: "<f4", PackedElementField.UINT8: "u1"}
+
+
 def test_views_are_in_metres_and_survive_their_bytes():
-    cloud = CentrelineView.from_bytes(CentrelineView.of(ESTIMATE).to_bytes()).wire
-    points_m = np.frombuffer(cloud.data, "<f4").reshape(-1, 3)
-    assert points_m == pytest.approx(ESTIMATE.centreline_mm / 1000)
-    poses = NodalPointsView.from_bytes(NodalPointsView.of(ESTIMATE).to_bytes()).wire.poses
-    assert [pose.position.z for pose in poses] == [0.050, 0.088]
-    camera = CameraView.from_bytes(CameraView.of(CALIBRATION).to_bytes()).wire
+    for view, points_mm in ((CentrelineView, ESTIMATE.centreline_mm), (NodalPointsView, ESTIMATE.node_mm)):
+        cloud = view.from_bytes(view.of(ESTIMATE).to_bytes()).wire
+        columns = {
+            field.name: np.ndarray(
+                len(points_mm), WIRE_TYPES[field.type], cloud.data, field.offset, (cloud.point_stride,)
+            )
+            for field in cloud.fields
+        }
+        assert np.column_stack([columns[axis] for axis in "xyz"]) == pytest.approx(points_mm / 1000)
+        assert set(columns["alpha"]) == {255}
+    camera = CameraView.from_bytes(CameraView.of(CALIBRATION, 7).to_bytes()).wire
     assert (camera.width, camera.height, camera.K[2]) == (1920, 1080, 960)
-    pose = CameraPoseView.from_bytes(CameraPoseView.of(CALIBRATION).to_bytes()).wire
+    pose = CameraPoseView.from_bytes(CameraPoseView.of(CALIBRATION, 7).to_bytes()).wire
     camera_mm = -CALIBRATION.camera_from_robot[:3, :3].T @ CALIBRATION.camera_from_robot[:3, 3]
     moved_m = pose.translation.x, pose.translation.y, pose.translation.z
     assert moved_m == pytest.approx(camera_mm / 1000)
+    assert camera.timestamp.ToNanoseconds() == pose.timestamp.ToNanoseconds() == 7
 
 
 @pytest.mark.parametrize(("level", "wire"), [(0, 1), (10, 1), (20, 2), (30, 3), (40, 4), (50, 5), (90, 5)])

@@ -15,6 +15,7 @@ from messaging.frames import Frame
 from messaging.session import open_rendezvous, open_session
 from messaging.settings import RobotSettings, ZenohSettings
 from messaging.shape import NodalPoints, ShapeEstimate
+from messaging.views import POINT
 from sensing.process import run
 from sensing.settings import NodalPointSetting, SensingSettings
 
@@ -198,11 +199,12 @@ def test_viewers_get_the_centreline_the_nodal_points_and_the_rig(outside, seen):
                 return wire
 
     line = view(topics.CENTRELINE, outside.centrelines)
-    points = np.frombuffer(line.data, "<f4").reshape(-1, 3)
     assert line.frame_id == "robot"
-    assert points == pytest.approx(1e-3 * estimate.centreline_mm, abs=1e-6)
+    height_m = np.frombuffer(line.data, POINT)["z"]
+    assert height_m == pytest.approx(1e-3 * estimate.centreline_mm[:, 2], abs=1e-6)
     nodes = view(topics.NODAL_POINTS, outside.nodal_points)
-    assert [pose.position.z for pose in nodes.poses] == pytest.approx(1e-3 * estimate.node_mm[:, 2])
+    height_m = np.frombuffer(nodes.data, POINT)["z"]
+    assert height_m == pytest.approx(1e-3 * estimate.node_mm[:, 2], abs=1e-6)
     said = [eventually(outside.calibrations.take) for _ in range(2)]
     assert {one.key.split("camera/")[1] for one in said} == {"left/calibration", "right/calibration"}
 
