@@ -6,7 +6,8 @@ NodalError
 |-- CommandError           words on the command line that fit the grammar but mean nothing possible
 |-- DemoError              the demo cannot go on
 |   `-- ProcessError       one of its processes did not start, or does not stay up
-`-- ReportError            a recording that does not hold what a report needs
+|-- ReportError            a recording that does not hold what a report needs
+`-- ReplayError            a recording that cannot be replayed as asked
 """
 
 from messaging.errors import NodalError
@@ -34,3 +35,7 @@ class ProcessError(DemoError):
 
 class ReportError(NodalError):
     """A recording lacks the messages that the report is made of."""
+
+
+class ReplayError(NodalError):
+    """A recording lacks what a replay is made of, or the replay that is asked for is impossible."""

@@ -1,0 +1,1 @@
+"""Replay: sensing and the controller run over a log again, through the very functions that ran live, and compared."""

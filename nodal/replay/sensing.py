@@ -1,0 +1,156 @@
+"""Sensing over a log: each frame set through `sensing.step`, with what sensing carried from the set before."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from messaging import topics
+from messaging.errors import NodalError
+from messaging.shape import NodalPoints, ShapeEstimate
+from nodal.bench_file import Bench
+from nodal.replay.comparison import Comparison, compared, compared_bytes, skipped
+from nodal.replay.frame_sets import FrameSetRecord, pictured
+from recordings.log import Log
+from sensing.memory import SensingMemory, TrackMemory
+from sensing.pipeline import Scene, Track
+from sensing.settings import SensingSettings
+from sensing.step import Clocks, SetInputs, step
+
+KEY, MEMORY_KEY = topics.SHAPE.key, topics.SENSING_MEMORY.key
+STILL = Clocks(stage_s=lambda: 0.0, age_ns=lambda: 0)
+"""A replay takes no time that anybody should see."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SensingPart:
+    """A stretch of one log: its sets, memories by capture time, and nodal points by the time they were named (both ns)."""
+
+    path: Path
+    sets: Sequence[FrameSetRecord]
+    memories: Mapping[int, bytes]
+    named: Sequence[tuple[int, NodalPoints]]
+    before: bytes | None
+    """The memory with which the stretch begins, if there is one."""
+
+
+def scene_of(bench: Bench) -> Scene:
+    """What sensing looks at on this bench."""
+    settings = bench.settings
+    return Scene.of(
+        bench.rig,
+        bench.backgrounds,
+        settings.sensing.backdrop_colour,
+        settings.robot.length_mm,
+        settings.sensing.holder_radius_mm,
+    )
+
+
+def points_of(settings: SensingSettings) -> NodalPoints:
+    """The nodal points that the bench file asks for."""
+    named = settings.nodal_points
+    return NodalPoints(names=tuple(p.name for p in named), arc_mm=np.array([p.arc_mm for p in named]))
+
+
+class _Carried:
+    """What sensing carries on, as far as the log tells: `unknown` says why nothing can be replayed just now."""
+
+    def __init__(self, bench: Bench, scene: Scene) -> None:
+        self._scene = scene
+        self._configured = points_of(bench.settings.sensing)
+        self.points = self._configured
+        self.track: Track | None = None
+        self.unknown = "it stands before the first memory in the log"
+
+    def begin(self) -> None:
+        """Sensing starts: it remembers nothing."""
+        self.points, self.track, self.unknown = self._configured, None, ""
+
+    def recall(self, content: bytes) -> None:
+        """Take a logged memory for granted."""
+        try:
+            memory = SensingMemory.from_bytes(content)
+            self.track = None if memory.track is None else memory.track.track(self._scene)
+        except NodalError as error:
+            self.unknown = f"the memory before it cannot be used: {error}"
+            return
+        self.points, self.unknown = memory.points, ""
+
+    def memory(self) -> bytes:
+        """What would be logged now."""
+        track = None if self.track is None else TrackMemory.of(self.track)
+        return SensingMemory(track=track, points=self.points).to_bytes()
+
+
+def verify(part: SensingPart, bench: Bench) -> Comparison:
+    """Every logged estimate against what sensing makes of the same pictures and the same memory."""
+    scene = scene_of(bench)
+    carried = _Carried(bench, scene)
+    if part.before is not None:
+        carried.recall(part.before)
+    found = Comparison()
+    last: FrameSetRecord | None = None
+    for record, jpegs in pictured(Log(part.path), part.sets, tuple(bench.settings.cameras)):
+        if record.publication == 0:
+            carried.begin()
+        elif last is not None and record.publication != last.publication + 1:
+            carried.unknown = "an estimate between the memory and it is missing from the log"
+        if jpegs is None:
+            carried.unknown = "a frame is missing from the log"
+        carried.points = _named_by(part.named, last, record) or carried.points
+        if carried.unknown or jpegs is None or record.estimate is None:
+            found += skipped(KEY, carried.unknown)
+        else:
+            estimate, carried.track = step(
+                scene, inputs_of(record, jpegs, carried.points), carried.track, STILL
+            )
+            found += compared(KEY, record.capture_time_ns, record.estimate, estimate)
+        if (logged := part.memories.get(record.capture_time_ns)) is not None:
+            if not carried.unknown:
+                found += compared_bytes(MEMORY_KEY, record.capture_time_ns, logged, carried.memory())
+            carried.recall(logged)
+        last = record
+    return found
+
+
+def imagine(
+    part: SensingPart, bench: Bench, points: NodalPoints | None
+) -> Iterator[tuple[FrameSetRecord, ShapeEstimate, bytes]]:
+    """What sensing would have made of every set, beginning without memory: the estimate, and the memory after it.
+
+    `points` are reported in place of those that were asked for, if given. Sets without all their pictures are left out.
+    """
+    scene = scene_of(bench)
+    carried = _Carried(bench, scene)
+    carried.begin()
+    last: FrameSetRecord | None = None
+    for record, jpegs in pictured(Log(part.path), part.sets, tuple(bench.settings.cameras)):
+        carried.points = points or _named_by(part.named, last, record) or carried.points
+        last = record
+        if jpegs is not None:
+            estimate, carried.track = step(
+                scene, inputs_of(record, jpegs, carried.points), carried.track, STILL
+            )
+            yield record, estimate, carried.memory()
+
+
+def inputs_of(record: FrameSetRecord, jpegs: Mapping[str, bytes], points: NodalPoints) -> SetInputs:
+    """What the step of this set saw."""
+    return SetInputs(
+        jpegs=jpegs,
+        sequence=record.sequence,
+        capture_time_ns=record.capture_time_ns,
+        insertion_mm=record.insertion_mm,
+        base_known=record.base_known,
+        points=points,
+    )
+
+
+def _named_by(
+    named: Sequence[tuple[int, NodalPoints]], last: FrameSetRecord | None, record: FrameSetRecord
+) -> NodalPoints | None:
+    """The nodal points that an operator named between two estimates; the memory knows those named before."""
+    since_ns = 0 if last is None else last.publish_time_ns
+    between = [points for time_ns, points in named if since_ns < time_ns < record.publish_time_ns]
+    return between[-1] if between else None

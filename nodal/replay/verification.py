@@ -1,0 +1,164 @@
+"""Logs replayed and compared: stretches of them side by side, on every core or on a cluster, always added up in order."""
+
+import os
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import msgspec
+
+from messaging.errors import NodalError
+from nodal.bench_file import Bench, recorded_bench
+from nodal.errors import ReplayError
+from nodal.replay import controlling, sensing
+from nodal.replay.comparison import Comparison
+from nodal.replay.cycles import ControlPart
+from nodal.replay.script import control_stretches, sensing_stretches, whole
+from nodal.replay.sensing import SensingPart
+from recordings.log import Log
+
+LOGS_AHEAD = 2
+"""Logs that are read before the results of the first are waited for."""
+
+
+class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+    """One log's replay. `span_s` is the time that the log covers, `took_s` how long its replay was under way."""
+
+    log: str
+    span_s: float
+    took_s: float
+    comparison: Comparison
+    damage: list[str]
+    error: str = ""
+    """Why the log could not be replayed at all."""
+
+    @property
+    def same(self) -> bool:
+        """True when something was compared and nothing differs."""
+        return not self.error and self.comparison.compared > 0 and not self.comparison.different
+
+
+@dataclass
+class _UnderWay:
+    path: Path
+    started_s: float
+    span_s: float
+    damage: list[str]
+    futures: list[Future[Comparison]]
+
+
+def verify_stretch(part: SensingPart | ControlPart, bench: Bench) -> Comparison:
+    """One stretch; what a worker does."""
+    return sensing.verify(part, bench) if isinstance(part, SensingPart) else controlling.verify(part, bench)
+
+
+def verified(paths: Iterable[Path], executor: Executor) -> Iterator[Verdict]:
+    """The verdict on each log, in their order; a log that cannot be replayed has an error and ends nothing."""
+    under_way: deque[_UnderWay] = deque()
+    for path in paths:
+        try:
+            under_way.append(_begun(path, executor))
+        except NodalError as error:
+            while under_way:
+                yield _ended(under_way.popleft())
+            yield _impossible(path, error)
+        if len(under_way) > LOGS_AHEAD:
+            yield _ended(under_way.popleft())
+    while under_way:
+        yield _ended(under_way.popleft())
+
+
+@contextmanager
+def workers(jobs: int, cluster: str | None) -> Iterator[Executor]:
+    """Where stretches are replayed: `jobs` processes here, or a Dask cluster (a scheduler's address, or `local`).
+
+    Raises ReplayError when there is no such cluster, or no Dask.
+    """
+    if cluster is not None:
+        with _dask(jobs, cluster) as executor:
+            yield executor
+    elif jobs == 1:
+        with ThreadPoolExecutor(1) as executor:
+            yield executor
+    else:
+        # a fresh interpreter: forking one that holds libraries with threads of their own can lock up
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as executor:
+            yield executor
+
+
+def cores() -> int:
+    """How many processes may run at once."""
+    return len(os.sched_getaffinity(0))
+
+
+@contextmanager
+def _dask(jobs: int, cluster: str) -> Iterator[Executor]:
+    try:
+        from distributed import Client, LocalCluster  # noqa: PLC0415  part of an extra
+    except ImportError as error:
+        raise ReplayError("--dask needs Dask; install nodal with its extra `cluster`") from error
+    try:
+        if cluster == "local":
+            with (
+                LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None) as local,
+                Client(local) as client,
+            ):
+                yield client.get_executor()
+        else:
+            with Client(cluster, timeout="10s") as client:
+                yield client.get_executor()
+    except (OSError, ValueError) as error:
+        raise ReplayError(f"--dask {cluster}: no cluster answers there: {error}") from error
+
+
+def _begun(path: Path, executor: Executor) -> _UnderWay:
+    started_s = time.monotonic()
+    log = Log(path)
+    bench = recorded_bench(path, log.attachments, {})
+    sensed, controlled = whole(log)
+    if not sensed.sets and not controlled.states:
+        raise ReplayError(
+            f"{path}: it holds neither estimates nor cycles of the controller; there is nothing to compare"
+        )
+    times = [record.log_time_ns for record in sensed.sets] + [
+        state.log_time_ns for state in controlled.states
+    ]
+    stretches = [*sensing_stretches(sensed), *control_stretches(controlled)]
+    return _UnderWay(
+        path=path,
+        started_s=started_s,
+        span_s=(max(times) - min(times)) / 1e9,
+        damage=[str(damage) for damage in log.damage],
+        futures=[executor.submit(verify_stretch, stretch, bench) for stretch in stretches],
+    )
+
+
+def _ended(log: _UnderWay) -> Verdict:
+    try:
+        comparison = sum((future.result() for future in log.futures), Comparison())
+    except NodalError as error:
+        return _impossible(log.path, error)
+    return Verdict(
+        log=str(log.path),
+        span_s=log.span_s,
+        took_s=time.monotonic() - log.started_s,
+        comparison=comparison,
+        damage=log.damage,
+    )
+
+
+def _impossible(path: Path, error: NodalError) -> Verdict:
+    text = str(error)
+    return Verdict(
+        log=str(path),
+        span_s=0.0,
+        took_s=0.0,
+        comparison=Comparison(),
+        damage=[],
+        error=text if str(path) in text else f"{path}: {text}",
+    )
