@@ -75,13 +75,13 @@ def run(
                 busy_s=busy_s,
                 overruns=beat.overruns,
             )
-            wire.say(
+            number = wire.say(
                 outputs,
                 account.account_of(before, state, inputs, outputs, commanded=written, timing=timing),
             )
             if beat.now_s >= remember_at_s:
                 remember_at_s = beat.now_s + _MEMORY_PERIOD_S
-                wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes()))
+                wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes(), publication=number))
             if state.mode is not before.mode:
                 logger.info("%s: %s", state.mode, outputs.reason)
             healthy()

@@ -69,14 +69,14 @@ class Wire:
                     self._queries.append(query)
         return tuple(requests)
 
-    def say(self, outputs: Outputs, account: Account) -> None:
-        """Publish this cycle and answer what was asked in it."""
+    def say(self, outputs: Outputs, account: Account) -> int:
+        """Publish this cycle and answer what was asked in it; returns the number of its state."""
         if account.command is not None:
             self._command.put(account.command)
         if account.tendons is not None:
             self._tendons.put(account.tendons)
         controller = account.controller
-        self._controller.put(controller)
+        number = self._controller.put(controller)
         if outputs.accepted is not None:
             self._target.put(outputs.accepted)
             self._path.put(TargetPathView.of(outputs.accepted, controller.time_ns))
@@ -95,6 +95,7 @@ class Wire:
             )
             query.reply(reply)
         self._queries.clear()
+        return number
 
     def say_memory(self, memory: Memory) -> None:
         """Publish what this cycle leaves to the next."""

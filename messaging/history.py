@@ -31,11 +31,12 @@ class Asked(Message):
 class Memory(Message):
     """What a process carries from one step to the next; said now and then, so that a replay can begin in a log's middle.
 
-    It is what was left by the controller's cycle of this `time_ns`, or by the frame set captured then. `content` is a
-    snapshot (messaging/snapshot.py) of the process' own type.
+    It is what was left by the controller's cycle of this `time_ns`, or by the frame set captured then, whose state or
+    shape was the publication of this number. `content` is a snapshot (messaging/snapshot.py) of the process' own type.
     """
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.Memory
 
     time_ns: int
     content: bytes
+    publication: int

@@ -52,11 +52,12 @@ class Publisher(Generic[M]):
         self._epoch = int.from_bytes(os.urandom(4), "little")
         self._next = 0
 
-    def put(self, message: M, sequence: int | None = None) -> None:
-        """Send it; never waits for a receiver."""
+    def put(self, message: M, sequence: int | None = None) -> int:
+        """Send it; never waits for a receiver. Returns its number."""
         number = self._next if sequence is None else sequence
         self._next = number + 1
         self._publisher.put(message.to_bytes(), attachment=ENVELOPE.pack(number, time.time_ns(), self._epoch))
+        return number
 
 
 class Subscription:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from messaging.errors import NodalError
+from nodal.arithmetic import pin
 
 COMMANDS = {
     "demo": "bring up the whole bench, drive the tip along a circle, and report",
@@ -14,6 +15,7 @@ COMMANDS = {
     "do": "ask the controller: home, arm, hold, relax, stop, status",
     "target": "send nodal points to a place, along a circle or along a path",
     "nodes": "name other nodal points while sensing runs",
+    "replay": "run sensing and the controller over recordings again, and compare",
     "rendezvous": "run the meeting point of a bench's processes",
     "simulate": "run the simulated bench: cameras, servos and robot",
     "sense": "run shape sensing",
@@ -28,8 +30,7 @@ ERROR, INTERRUPTED = 2, 130
 def main(words: Sequence[str] | None = None) -> int:
     """Run one subcommand; returns the exit status: 0 done, 2 an error, 3 refused, 130 interrupted."""
     words = sys.argv[1:] if words is None else words
-    # matrices are small here, and threads for them would only get in the way of the other processes
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    pin()
     arguments = _parser(words).parse_args(words)
     try:
         status: int = arguments.run(arguments)

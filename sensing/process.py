@@ -118,7 +118,7 @@ class _Speaker:
             captured_ns + self._unix_from_monotonic_ns,
             lambda: time.monotonic_ns() - captured_ns,
         )
-        self._shape.put(estimate)
+        number = self._shape.put(estimate)
         if estimate.refusal:
             logger.warning("no shape in frame set %d: %s", estimate.sequence, estimate.refusal)
         else:
@@ -126,7 +126,13 @@ class _Speaker:
             self._nodal_points.put(NodalPointsView.of(estimate))
         if estimate.capture_time_ns >= self._memory_due_ns:
             self._memory_due_ns = estimate.capture_time_ns + MEMORY_PERIOD_NS
-            self._memory.put(Memory(time_ns=estimate.capture_time_ns, content=sensor.memory.to_bytes()))
+            self._memory.put(
+                Memory(
+                    time_ns=estimate.capture_time_ns,
+                    content=sensor.memory.to_bytes(),
+                    publication=number,
+                )
+            )
 
     def say_asked(self, request: bytes, reply: Reply) -> None:
         self._asked.put(

@@ -193,12 +193,14 @@ class Asked(_message.Message):
     def __init__(self, time_ns: _Optional[int] = ..., service: _Optional[str] = ..., request: _Optional[bytes] = ..., accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
 
 class Memory(_message.Message):
-    __slots__ = ("time_ns", "content")
+    __slots__ = ("time_ns", "content", "publication")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     CONTENT_FIELD_NUMBER: _ClassVar[int]
+    PUBLICATION_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     content: bytes
-    def __init__(self, time_ns: _Optional[int] = ..., content: _Optional[bytes] = ...) -> None: ...
+    publication: int
+    def __init__(self, time_ns: _Optional[int] = ..., content: _Optional[bytes] = ..., publication: _Optional[int] = ...) -> None: ...
 
 class RecorderRequest(_message.Message):
     __slots__ = ("action", "file")

@@ -9,7 +9,7 @@ from controller.loop import Loop
 from messaging import topics
 from messaging.control import ControllerState, Reply
 from messaging.errors import NodalError
-from messaging.history import Asked
+from messaging.history import Asked, Memory
 from messaging.shape import ShapeEstimate
 from nodal.bench_file import Bench
 from nodal.errors import ReplayError
@@ -63,10 +63,10 @@ def verify(part: ControlPart, bench: Bench) -> Comparison:
             cycle = _run(loop, state, recorded, logged, inputs)
             state = cycle.after
             found += _compared(logged, part, cycle)
-        if (content := part.memories.get(logged.time_ns)) is not None:
+        if (memory := part.memories.get(logged.time_ns)) is not None:
             if state is not None:
-                found += compared_bytes(MEMORY_KEY, logged.time_ns, content, state.to_bytes())
-            state, unknown = _recalled(content)
+                found += compared_bytes(MEMORY_KEY, logged.time_ns, memory.content, state.to_bytes())
+            state, unknown = _recalled(memory)
     return found
 
 
@@ -77,7 +77,7 @@ def imagine(part: ControlPart, bench: Bench, shapes: Mapping[int, ShapeEstimate]
     whose inputs are not in the log. Raises ReplayError when that memory is of no use to these settings.
     """
     loop = loop_of(bench)
-    state: LoopState | None = None
+    state = None if part.before is None else _begun(part.before)
     for recorded in part.states:
         logged = read(recorded, ControllerState)
         if recorded.sequence == 0:
@@ -90,10 +90,8 @@ def imagine(part: ControlPart, bench: Bench, shapes: Mapping[int, ShapeEstimate]
             cycle = _run(loop, state, recorded, logged, inputs)
             state = cycle.after
             yield cycle
-        elif (content := part.memories.get(logged.time_ns)) is not None:
-            state, why = _recalled(content)
-            if state is None:
-                raise ReplayError(f"the log begins in the middle of a run, and {why}")
+        elif (memory := part.memories.get(logged.time_ns)) is not None:
+            state = _begun(memory)
 
 
 def _run(loop: Loop, before: LoopState, recorded: Recorded, logged: ControllerState, inputs: Inputs) -> Cycle:
@@ -109,11 +107,18 @@ def _run(loop: Loop, before: LoopState, recorded: Recorded, logged: ControllerSt
     return Cycle(recorded=recorded, outputs=outputs, account=account, after=after)
 
 
-def _recalled(content: bytes | None) -> tuple[LoopState | None, str]:
-    if content is None:
+def _begun(memory: Memory) -> LoopState:
+    state, why = _recalled(memory)
+    if state is None:
+        raise ReplayError(f"the log begins in the middle of a run, and {why}")
+    return state
+
+
+def _recalled(memory: Memory | None) -> tuple[LoopState | None, str]:
+    if memory is None:
         return None, "it stands before the first memory in the log"
     try:
-        return LoopState.from_bytes(content), ""
+        return LoopState.from_bytes(memory.content), ""
     except NodalError as error:
         return None, f"the memory before it cannot be used: {error}"
 

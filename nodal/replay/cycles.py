@@ -10,7 +10,7 @@ from drivers.actuators import ActuatorState
 from messaging import topics
 from messaging.control import ActionRequest, ControllerState, Target, TendonCommand, TendonState
 from messaging.errors import NodalError
-from messaging.history import Asked
+from messaging.history import Asked, Memory
 from messaging.shape import ShapeEstimate
 from nodal.replay.typed import read
 from recordings.reader import Recorded
@@ -31,8 +31,8 @@ class ControlPart:
     commands: Mapping[int, Recorded]
     asked: Mapping[int, Sequence[Asked]]
     shapes: Mapping[int, Recorded]
-    memories: Mapping[int, bytes]
-    before: bytes | None
+    memories: Mapping[int, Memory]
+    before: Memory | None
     """The memory with which the stretch begins, if there is one."""
 
 

@@ -81,3 +81,27 @@ def pictured(
 
 def _is_of(frame: Frame | None, record: FrameSetRecord) -> bool:
     return frame is not None and abs(frame.capture_time_ns - record.capture_time_ns) < NEAR_NS
+
+
+def never_estimated(log: Log, cameras: Sequence[str]) -> list[FrameSetRecord]:
+    """The whole sets of a log in which nobody estimated anything, told apart by their numbers; the base's height is unknown."""
+    captures: dict[int, dict[str, int]] = {}
+    records: list[FrameSetRecord] = []
+    for recorded in log.messages((topics.CAMERA,)):
+        frame = read(recorded, Frame)
+        captures.setdefault(recorded.sequence, {})[frame.camera] = frame.capture_time_ns
+        if len(captures[recorded.sequence]) == len(cameras):
+            times = captures.pop(recorded.sequence).values()
+            records.append(
+                FrameSetRecord(
+                    sequence=recorded.sequence,
+                    capture_time_ns=sum(times) // len(times),
+                    insertion_mm=0.0,
+                    base_known=False,
+                    publication=len(records),
+                    publish_time_ns=recorded.publish_time_ns,
+                    log_time_ns=recorded.log_time_ns,
+                    estimate=None,
+                )
+            )
+    return records

@@ -27,14 +27,14 @@ class _Heard:
     """The small messages of a log, by what they are needed for."""
 
     sets: list[FrameSetRecord] = field(default_factory=list)
-    sensing_memories: dict[int, bytes] = field(default_factory=dict)
+    sensing_memories: list[Memory] = field(default_factory=list)
     named: list[tuple[int, NodalPoints]] = field(default_factory=list)
     states: list[Recorded] = field(default_factory=list)
     tendons: dict[int, Recorded] = field(default_factory=dict)
     commands: dict[int, Recorded] = field(default_factory=dict)
     asked: dict[int, list[Asked]] = field(default_factory=lambda: defaultdict(list))
     shapes: dict[int, Recorded] = field(default_factory=dict)
-    control_memories: dict[int, bytes] = field(default_factory=dict)
+    control_memories: list[Memory] = field(default_factory=list)
 
     def hear(self, recorded: Recorded) -> None:
         match recorded.topic:
@@ -42,8 +42,7 @@ class _Heard:
                 self.sets.append(record := FrameSetRecord.of(recorded))
                 self.shapes[record.capture_time_ns] = recorded
             case topics.SENSING_MEMORY.key:
-                memory = read(recorded, Memory)
-                self.sensing_memories[memory.time_ns] = memory.content
+                self.sensing_memories.append(read(recorded, Memory))
             case topics.CONTROLLER_STATE.key:
                 self.states.append(recorded)
             case topics.TENDON_STATE.key:
@@ -51,8 +50,7 @@ class _Heard:
             case topics.TENDON_COMMAND.key:
                 self.commands[time_ns_in(recorded, TendonCommand)] = recorded
             case topics.CONTROLLER_MEMORY.key:
-                memory = read(recorded, Memory)
-                self.control_memories[memory.time_ns] = memory.content
+                self.control_memories.append(read(recorded, Memory))
             case topics.ASKED.key:
                 self._hear_asked(recorded)
 
@@ -83,9 +81,9 @@ def whole(log: Log) -> tuple[SensingPart, ControlPart]:
     sensing = SensingPart(
         path=log.path,
         sets=heard.sets,
-        memories=heard.sensing_memories,
+        memories={memory.time_ns: memory for memory in heard.sensing_memories},
         named=heard.named,
-        before=None,
+        before=_before([record.publication for record in heard.sets], heard.sensing_memories),
     )
     control = ControlPart(
         states=heard.states,
@@ -93,8 +91,8 @@ def whole(log: Log) -> tuple[SensingPart, ControlPart]:
         commands=heard.commands,
         asked=dict(heard.asked),
         shapes=heard.shapes,
-        memories=heard.control_memories,
-        before=None,
+        memories={memory.time_ns: memory for memory in heard.control_memories},
+        before=_before([recorded.sequence for recorded in heard.states], heard.control_memories),
     )
     return sensing, control
 
@@ -102,7 +100,7 @@ def whole(log: Log) -> tuple[SensingPart, ControlPart]:
 def sensing_stretches(part: SensingPart) -> Iterator[SensingPart]:
     """The same in stretches, each of which begins with what sensing remembered then."""
     times = [record.capture_time_ns for record in part.sets]
-    for begin, end, before in _cuts(times, part.memories):
+    for begin, end, before in _cuts(times, part.memories, part.before):
         yield replace(part, sets=part.sets[begin:end], before=before)
 
 
@@ -110,7 +108,7 @@ def control_stretches(part: ControlPart) -> Iterator[ControlPart]:
     """The same in stretches, each of which begins with what the controller remembered then."""
     times = [time_ns_in(recorded, ControllerState) for recorded in part.states]
     captured = sorted(part.shapes)
-    for begin, end, before in _cuts(times, part.memories):
+    for begin, end, before in _cuts(times, part.memories, part.before):
         mine = times[begin:end]
         seen = captured[bisect_left(captured, mine[0] - SEEN_WITHIN_NS) : bisect_left(captured, mine[-1])]
         yield ControlPart(
@@ -124,9 +122,17 @@ def control_stretches(part: ControlPart) -> Iterator[ControlPart]:
         )
 
 
-def _cuts(times: Sequence[int], memories: Mapping[int, bytes]) -> Iterator[tuple[int, int, bytes | None]]:
+def _before(publications: Sequence[int], memories: Sequence[Memory]) -> Memory | None:
+    """The memory that the log's first step began with, if it is in there: a log that was cut may hold an older one."""
+    first = memories[0] if memories and publications else None
+    return first if first is not None and first.publication + 1 == publications[0] else None
+
+
+def _cuts(
+    times: Sequence[int], memories: Mapping[int, Memory], first: Memory | None
+) -> Iterator[tuple[int, int, Memory | None]]:
     """First and last index (not included) of each stretch, and the memory before it."""
-    begin, before = 0, None
+    begin, before = 0, first
     for index, time_ns in enumerate(times):
         if time_ns in memories and time_ns - times[begin] >= STRETCH_NS:
             yield begin, index + 1, before

@@ -1,13 +1,15 @@
 """Sensing over a log: each frame set through `sensing.step`, with what sensing carried from the set before."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from messaging import topics
 from messaging.errors import NodalError
+from messaging.history import Memory
 from messaging.shape import NodalPoints, ShapeEstimate
 from nodal.bench_file import Bench
 from nodal.replay.comparison import Comparison, compared, compared_bytes, skipped
@@ -29,9 +31,9 @@ class SensingPart:
 
     path: Path
     sets: Sequence[FrameSetRecord]
-    memories: Mapping[int, bytes]
+    memories: Mapping[int, Memory]
     named: Sequence[tuple[int, NodalPoints]]
-    before: bytes | None
+    before: Memory | None
     """The memory with which the stretch begins, if there is one."""
 
 
@@ -67,10 +69,10 @@ class _Carried:
         """Sensing starts: it remembers nothing."""
         self.points, self.track, self.unknown = self._configured, None, ""
 
-    def recall(self, content: bytes) -> None:
+    def recall(self, logged: Memory) -> None:
         """Take a logged memory for granted."""
         try:
-            memory = SensingMemory.from_bytes(content)
+            memory = SensingMemory.from_bytes(logged.content)
             self.track = None if memory.track is None else memory.track.track(self._scene)
         except NodalError as error:
             self.unknown = f"the memory before it cannot be used: {error}"
@@ -108,7 +110,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
             found += compared(KEY, record.capture_time_ns, record.estimate, estimate)
         if (logged := part.memories.get(record.capture_time_ns)) is not None:
             if not carried.unknown:
-                found += compared_bytes(MEMORY_KEY, record.capture_time_ns, logged, carried.memory())
+                found += compared_bytes(MEMORY_KEY, record.capture_time_ns, logged.content, carried.memory())
             carried.recall(logged)
         last = record
     return found
@@ -117,7 +119,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
 def imagine(
     part: SensingPart, bench: Bench, points: NodalPoints | None
 ) -> Iterator[tuple[FrameSetRecord, ShapeEstimate, bytes]]:
-    """What sensing would have made of every set, beginning without memory: the estimate, and the memory after it.
+    """What sensing would have made of every set, beginning without memory: the estimate, as old as then, and the memory.
 
     `points` are reported in place of those that were asked for, if given. Sets without all their pictures are left out.
     """
@@ -129,9 +131,10 @@ def imagine(
         carried.points = points or _named_by(part.named, last, record) or carried.points
         last = record
         if jpegs is not None:
-            estimate, carried.track = step(
-                scene, inputs_of(record, jpegs, carried.points), carried.track, STILL
-            )
+            age_ns = 0 if record.estimate is None else record.estimate.capture_to_publish_ns
+            clocks = replace(STILL, age_ns=partial(int, age_ns))
+            inputs = inputs_of(record, jpegs, carried.points)
+            estimate, carried.track = step(scene, inputs, carried.track, clocks)
             yield record, estimate, carried.memory()
 
 

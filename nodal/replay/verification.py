@@ -1,13 +1,10 @@
 """Logs replayed and compared: stretches of them side by side, on every core or on a cluster, always added up in order."""
 
-import os
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import msgspec
@@ -66,54 +63,11 @@ def verified(paths: Iterable[Path], executor: Executor) -> Iterator[Verdict]:
         except NodalError as error:
             while under_way:
                 yield _ended(under_way.popleft())
-            yield _impossible(path, error)
+            yield impossible(path, error)
         if len(under_way) > LOGS_AHEAD:
             yield _ended(under_way.popleft())
     while under_way:
         yield _ended(under_way.popleft())
-
-
-@contextmanager
-def workers(jobs: int, cluster: str | None) -> Iterator[Executor]:
-    """Where stretches are replayed: `jobs` processes here, or a Dask cluster (a scheduler's address, or `local`).
-
-    Raises ReplayError when there is no such cluster, or no Dask.
-    """
-    if cluster is not None:
-        with _dask(jobs, cluster) as executor:
-            yield executor
-    elif jobs == 1:
-        with ThreadPoolExecutor(1) as executor:
-            yield executor
-    else:
-        # a fresh interpreter: forking one that holds libraries with threads of their own can lock up
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as executor:
-            yield executor
-
-
-def cores() -> int:
-    """How many processes may run at once."""
-    return len(os.sched_getaffinity(0))
-
-
-@contextmanager
-def _dask(jobs: int, cluster: str) -> Iterator[Executor]:
-    try:
-        from distributed import Client, LocalCluster  # noqa: PLC0415  part of an extra
-    except ImportError as error:
-        raise ReplayError("--dask needs Dask; install nodal with its extra `cluster`") from error
-    try:
-        if cluster == "local":
-            with (
-                LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None) as local,
-                Client(local) as client,
-            ):
-                yield client.get_executor()
-        else:
-            with Client(cluster, timeout="10s") as client:
-                yield client.get_executor()
-    except (OSError, ValueError) as error:
-        raise ReplayError(f"--dask {cluster}: no cluster answers there: {error}") from error
 
 
 def _begun(path: Path, executor: Executor) -> _UnderWay:
@@ -128,7 +82,10 @@ def _begun(path: Path, executor: Executor) -> _UnderWay:
     times = [record.log_time_ns for record in sensed.sets] + [
         state.log_time_ns for state in controlled.states
     ]
-    stretches = [*sensing_stretches(sensed), *control_stretches(controlled)]
+    stretches: list[SensingPart | ControlPart] = [
+        *sensing_stretches(sensed),
+        *control_stretches(controlled),
+    ]
     return _UnderWay(
         path=path,
         started_s=started_s,
@@ -142,7 +99,7 @@ def _ended(log: _UnderWay) -> Verdict:
     try:
         comparison = sum((future.result() for future in log.futures), Comparison())
     except NodalError as error:
-        return _impossible(log.path, error)
+        return impossible(log.path, error)
     return Verdict(
         log=str(log.path),
         span_s=log.span_s,
@@ -152,7 +109,8 @@ def _ended(log: _UnderWay) -> Verdict:
     )
 
 
-def _impossible(path: Path, error: NodalError) -> Verdict:
+def impossible(path: Path, error: NodalError) -> Verdict:
+    """The verdict on a log that cannot be replayed."""
     text = str(error)
     return Verdict(
         log=str(path),
