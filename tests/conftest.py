@@ -4,6 +4,10 @@ import time
 import pytest
 
 from messaging.settings import ZenohSettings
+from nodal.arithmetic import pin
+
+# before any test imports NumPy or OpenCV: golden recordings have the same bytes on every CPU
+pin()
 
 
 @pytest.fixture
