@@ -60,7 +60,7 @@ def verify(part: ControlPart, bench: Bench) -> Comparison:
         if state is None or inputs is None:
             found += skipped(STATE_KEY, unknown)
         else:
-            cycle = _run(loop, state, recorded, logged, inputs)
+            cycle = _run(loop, state, recorded, inputs, commanded=logged.commanded)
             state = cycle.after
             found += _compared(logged, part, cycle)
         if (memory := part.memories.get(logged.time_ns)) is not None:
@@ -87,15 +87,21 @@ def imagine(part: ControlPart, bench: Bench, shapes: Mapping[int, ShapeEstimate]
                 inputs = inputs_of(logged, part, shapes)
             except Unseen:
                 continue
-            cycle = _run(loop, state, recorded, logged, inputs)
+            cycle = _run(loop, state, recorded, inputs, commanded=None)
             state = cycle.after
             yield cycle
         elif (memory := part.memories.get(logged.time_ns)) is not None:
             state = _begun(memory)
 
 
-def _run(loop: Loop, before: LoopState, recorded: Recorded, logged: ControllerState, inputs: Inputs) -> Cycle:
+def _run(
+    loop: Loop, before: LoopState, recorded: Recorded, inputs: Inputs, *, commanded: bool | None
+) -> Cycle:
+    """`commanded` says whether the command could be written; None: whenever there was a drive to write it to."""
+    logged = read(recorded, ControllerState)
     after, outputs = loop.step(before, inputs)
+    if commanded is None:
+        commanded = outputs.command_mm is not None and inputs.drive is not None
     timing = Timing(
         written_s=inputs.now_s,
         time_ns=logged.time_ns,
@@ -103,7 +109,7 @@ def _run(loop: Loop, before: LoopState, recorded: Recorded, logged: ControllerSt
         busy_s=logged.busy_s,
         overruns=logged.overruns,
     )
-    account = account_of(before, after, inputs, outputs, commanded=logged.commanded, timing=timing)
+    account = account_of(before, after, inputs, outputs, commanded=commanded, timing=timing)
     return Cycle(recorded=recorded, outputs=outputs, account=account, after=after)
 
 
