@@ -21,6 +21,7 @@ COMMANDS = {
     "sense": "run shape sensing",
     "control": "run the controller",
     "record": "run the recorder",
+    "report": "one page on a recording, or on several side by side",
     "log": "look into a recording, check it, recover it, cut it",
 }
 

@@ -1,17 +1,42 @@
 """One run of a bench, as its recording tells it: what a report needs in memory, without the pictures."""
 
 import dataclasses
+import logging
 from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from messaging.control import ControllerState, Target, TendonCommand
+from messaging.control import ControllerState, Target, TendonCommand, TendonState
 from messaging.frames import CameraCalibration
+from messaging.history import Asked
 from messaging.shape import ShapeEstimate, Truth
-from nodal.errors import ReportError
+from nodal.report.traffic import TopicTraffic, restarts
 from nodal.report.truth import TrueShapes
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Line:
+    """A line of the log; `level` is a number of Python's logging module."""
+
+    time_ns: int
+    level: int
+    process: str
+    text: str
+
+    @property
+    def level_name(self) -> str:
+        """INFO, WARNING, ERROR ..."""
+        return logging.getLevelName(self.level)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Accepted:
+    """A target that the controller took up, and when it said so (Unix ns)."""
+
+    time_ns: int
+    target: Target
 
 
 class FrameSets:
@@ -34,7 +59,7 @@ class FrameSets:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class BenchRun:
-    """A run of a simulated bench, in order of time; targets by name."""
+    """A run of a bench, in order of time. Nothing need be there: a recording may hold any part of what a bench says."""
 
     rig: tuple[CameraCalibration, ...]
     losses: int
@@ -43,7 +68,31 @@ class BenchRun:
     truths: list[Truth] = dataclasses.field(default_factory=list)
     states: list[ControllerState] = dataclasses.field(default_factory=list)
     commands: list[TendonCommand] = dataclasses.field(default_factory=list)
-    targets: dict[str, Target] = dataclasses.field(default_factory=dict)
+    tendons: list[TendonState] = dataclasses.field(default_factory=list)
+    accepted: list[Accepted] = dataclasses.field(default_factory=list)
+    asked: list[Asked] = dataclasses.field(default_factory=list)
+    lines: list[Line] = dataclasses.field(default_factory=list)
+    traffic: dict[str, TopicTraffic] = dataclasses.field(default_factory=dict)
+
+    @property
+    def start_ns(self) -> int:
+        """When the first publication was logged; 0 when there is none."""
+        return min((topic.first_ns for topic in self.traffic.values()), default=0)
+
+    @property
+    def end_ns(self) -> int:
+        """When the last publication was logged; 0 when there is none."""
+        return max((topic.last_ns for topic in self.traffic.values()), default=0)
+
+    @cached_property
+    def restarts(self) -> list[tuple[int, str]]:
+        """When which process began anew in the middle of the recording."""
+        return restarts(self.traffic)
+
+    @cached_property
+    def truth(self) -> TrueShapes | None:
+        """The true shapes; None when the recording holds fewer than two, as a real bench's does."""
+        return TrueShapes(self.truths) if len(self.truths) > 1 else None
 
     def covered(self, truth: TrueShapes) -> list[ShapeEstimate]:
         """The usable estimates for whose capture there is a truth."""
@@ -51,41 +100,21 @@ class BenchRun:
         return [shape for shape, good in zip(self.usable, known, strict=True) if good]
 
     @cached_property
-    def _captures(self) -> dict[int, list[int]]:
-        captures: dict[int, list[int]] = {}
+    def _by_number(self) -> dict[int, list[ShapeEstimate]]:
+        numbered: dict[int, list[ShapeEstimate]] = {}
         for shape in self.usable:
-            captures.setdefault(shape.sequence, []).append(shape.capture_time_ns)
-        return captures
+            numbered.setdefault(shape.sequence, []).append(shape)
+        return numbered
 
     @cached_property
     def usable(self) -> list[ShapeEstimate]:
         """The estimates that hold a shape, flagged ones too."""
         return [shape for shape in self.shapes if not shape.refusal]
 
-    def driven_nodes(self, target_name: str) -> tuple[str, ...]:
-        """The nodal points that a target weighs; none when it was never accepted."""
-        target = self.targets.get(target_name)
-        if target is None:
-            return ()
-        return tuple(
-            name for name, weight in zip(target.node_names, target.weights, strict=True) if weight > 0
-        )
-
-    def captured_ns(self, sequence: int, before_ns: int) -> int | None:
-        """When the shape with this number was captured that had been seen by then: numbers begin anew with sensing."""
-        earlier = [time for time in self._captures.get(sequence, ()) if time <= before_ns]
+    def shape_seen(self, sequence: int, before_ns: int) -> ShapeEstimate | None:
+        """The shape with this number that had been captured by then: numbers begin anew with sensing."""
+        earlier = [s for s in self._by_number.get(sequence, ()) if s.capture_time_ns <= before_ns]
         return earlier[-1] if earlier else None
-
-    def arcs_mm(self, names: Sequence[str]) -> NDArray[np.float64]:
-        """Where these nodal points were last said to be (M,), in mm from the base; raises ReportError."""
-        said = {
-            name: float(arc)
-            for shape in self.usable
-            for name, arc in zip(shape.node_names, shape.node_arc_mm, strict=True)
-        }
-        if unknown := [name for name in names if name not in said]:
-            raise ReportError(f"no estimate in the recording holds the nodal points {', '.join(unknown)}")
-        return np.array([said[name] for name in names])
 
 
 def times_ns(messages: Sequence[ShapeEstimate]) -> NDArray[np.int64]:

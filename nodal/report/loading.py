@@ -1,36 +1,63 @@
-"""From a recording's files to a `BenchRun`; pictures are fetched one frame set at a time."""
+"""From a recording to a `BenchRun`; pictures are fetched one frame set at a time."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from messaging import topics
-from messaging.control import ControllerState, Target, TendonCommand
+from messaging.control import ControllerState, Target, TendonCommand, TendonState
+from messaging.errors import CodecError, InvalidMessageError
 from messaging.frames import CameraCalibration, Frame
+from messaging.history import Asked
+from messaging.message import Message
 from messaging.shape import ShapeEstimate, Truth
+from messaging.views import LogLine
 from nodal.bench_file import CALIBRATION_ATTACHMENT
 from nodal.calibration_file import rig_in
-from nodal.errors import ReportError
-from nodal.report.bench_run import BenchRun
+from nodal.report import traffic
+from nodal.report.bench_run import Accepted, BenchRun, Line
 from recordings import Log
-from recordings.reader import Recorded
+from recordings.errors import UnknownTopicError
+from recordings.reader import topic_of
 
-DECODED = (topics.SHAPE, topics.TRUTH, topics.CONTROLLER_STATE, topics.TENDON_COMMAND, topics.TARGET)
+DECODED = (
+    topics.SHAPE,
+    topics.TRUTH,
+    topics.CONTROLLER_STATE,
+    topics.TENDON_COMMAND,
+    topics.TENDON_STATE,
+    topics.TARGET,
+    topics.ASKED,
+    topics.LOG,
+)
+"""Topics whose messages a report looks into; of all others, pictures among them, the number is all that counts."""
 
 LOGGED_WITHIN_NS = 1_000_000_000
 
 
-def load_run(recording: Path) -> BenchRun:
-    """Everything but pictures, from all parts; raises ReportError, or RecordingError when there is no such recording."""
-    log = Log(recording)
+def load_run(recording: Path | Log) -> BenchRun:
+    """Everything but pictures; raises RecordingError when there is no such recording, CalibrationFileError.
+
+    Messages that cannot be read are counted in the run's `traffic`, damaged places are in the log's `damage`.
+    """
+    log = recording if isinstance(recording, Log) else Log(recording)
     run = BenchRun(rig=_rig(log), losses=_lost(log))
-    for recorded in log.messages((*DECODED, topics.CAMERA)):
-        _sort_in(run, recorded)
+    for recorded in log.messages():
+        heard = traffic.hear(run.traffic, recorded)
+        topic = topic_of(recorded.topic)
+        if topic is topics.CAMERA:
+            run.frames.hear(recorded.topic, recorded.sequence)
+        elif topic in DECODED:
+            try:
+                _sort_in(run, recorded.message, recorded.log_time_ns)
+            except (CodecError, InvalidMessageError, UnknownTopicError) as error:
+                heard.refuse(str(error))
     return run
 
 
-def frame_set(recording: Path, time_ns: int) -> dict[str, Frame]:
+def frame_set(log: Log, time_ns: int) -> dict[str, Frame]:
     """Each camera's frame that was captured nearest to this Unix time."""
     frames: dict[str, Frame] = {}
-    for recorded in Log(recording).messages((topics.CAMERA,), time_ns, time_ns + LOGGED_WITHIN_NS):
+    for recorded in log.messages((topics.CAMERA,), time_ns, time_ns + LOGGED_WITHIN_NS):
         if isinstance(frame := recorded.message, Frame):
             nearest = frames.setdefault(frame.camera, frame)
             if abs(frame.capture_time_ns - time_ns) < abs(nearest.capture_time_ns - time_ns):
@@ -38,35 +65,46 @@ def frame_set(recording: Path, time_ns: int) -> dict[str, Frame]:
     return frames
 
 
-def _sort_in(run: BenchRun, recorded: Recorded) -> None:
-    if recorded.schema == Frame.protobuf.DESCRIPTOR.full_name:
-        # a frame's number is all that counts here, so its picture stays undecoded
-        run.frames.hear(recorded.topic, recorded.sequence)
-        return
-    match recorded.message:
-        case ShapeEstimate() as shape:
-            run.shapes.append(shape)
-        case Truth() as truth:
-            run.truths.append(truth)
-        case ControllerState() as state:
-            run.states.append(state)
-        case TendonCommand() as command:
-            run.commands.append(command)
-        case Target() as target:
-            run.targets[target.name] = target
+def _sort_in(run: BenchRun, message: Message, log_time_ns: int) -> None:
+    match message:
+        case ShapeEstimate():
+            run.shapes.append(message)
+        case Truth():
+            run.truths.append(message)
+        case ControllerState():
+            run.states.append(message)
+        case TendonCommand():
+            run.commands.append(message)
+        case TendonState():
+            run.tendons.append(message)
+        case Target():
+            run.accepted.append(Accepted(time_ns=log_time_ns, target=message))
+        case Asked():
+            run.asked.append(message)
+        case LogLine(wire=wire):
+            time_ns = wire.timestamp.ToNanoseconds()
+            run.lines.append(
+                Line(time_ns=time_ns, level=10 * wire.level, process=wire.name, text=wire.message)
+            )
 
 
 def _rig(log: Log) -> tuple[CameraCalibration, ...]:
-    if CALIBRATION_ATTACHMENT not in log.attachments:
-        raise ReportError(f"{log.path}: no {CALIBRATION_ATTACHMENT} is attached")
-    return rig_in(log.attachments[CALIBRATION_ATTACHMENT], f"{log.path}, attachment {CALIBRATION_ATTACHMENT}")
+    """The attached calibration; none without one, and then no picture can show where the robot was seen."""
+    attached = log.attachments.get(CALIBRATION_ATTACHMENT)
+    return rig_in(attached, f"{log.path}, attachment {CALIBRATION_ATTACHMENT}") if attached else ()
 
 
 def _lost(log: Log) -> int:
     """What the recorder counted as lost; a part that was cut off holds no count."""
-    return sum(
-        int(count)
-        for summary in log.metadata("SUMMARY").values()
-        for key, count in summary.items()
-        if key.startswith("lost/")
-    )
+    return sum(lost_in(log.metadata("SUMMARY").values()).values())
+
+
+def lost_in(summaries: Iterable[dict[str, str]]) -> dict[str, int]:
+    """Publications lost by topic, as recorders' summaries count them."""
+    lost: dict[str, int] = {}
+    for summary in summaries:
+        for key, count in summary.items():
+            if key.startswith("lost/"):
+                topic = key.removeprefix("lost/")
+                lost[topic] = lost.get(topic, 0) + int(count)
+    return lost

@@ -2,10 +2,11 @@
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from nodal.report.bench_run import BenchRun, times_ns
-from nodal.report.tracking import tracking_of
+from nodal.report.statistics import mean, most, percentile, rounded
+from nodal.report.tracking import true_tracking_of
 from nodal.report.truth import TrueShapes
 
 Array = NDArray[np.float64]
@@ -62,25 +63,42 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 def summary_of(run: BenchRun, recording: str, open_loop_rms_mm: float | None) -> Summary:
     """Errors are against the truth at each estimate's capture time; raises ReportError when there is no truth."""
     truth = TrueShapes(run.truths)
-    circle = tracking_of(run, truth, CIRCLE)
-    hold = tracking_of(run, truth, HOLD).second_half()
-    capture_to_command = [c.capture_to_command_ns for c in run.commands if c.capture_to_command_ns >= 0]
-    captured = times_ns(run.usable)
-    span_s = (captured[-1] - captured[0]) / 1e9 if len(captured) > 1 else 0.0
+    circle = true_tracking_of(run, truth, CIRCLE)
+    hold = true_tracking_of(run, truth, HOLD).second_half()
     return Summary(
         frame_sets=run.frames.complete(),
         estimates=len(run.usable),
-        estimate_rate_hz=_rounded((len(captured) - 1) / span_s) if span_s else None,
+        estimate_rate_hz=rounded(estimate_rate_hz(run)),
         flagged=sum(bool(shape.flags) for shape in run.usable),
         node_error_mm=_spread(np.concatenate([np.zeros(0), *node_errors_mm(run, truth)])),
         tip_error_mm=_spread(tip_errors_mm(run, truth)),
-        tracking_error_mm=TrackingFigures(rms=_rounded(circle.rms_mm()), steady=_rounded(hold.rms_mm())),
-        open_loop_error_mm=OpenLoopFigures(rms=_rounded(open_loop_rms_mm)),
-        capture_to_command_ms=_percentiles(np.array(capture_to_command) / 1e6),
-        control_lateness_ms=_percentiles(np.array([state.lateness_s for state in run.states]) * 1e3),
+        tracking_error_mm=TrackingFigures(rms=rounded(circle.rms_mm()), steady=rounded(hold.rms_mm())),
+        open_loop_error_mm=OpenLoopFigures(rms=rounded(open_loop_rms_mm)),
+        capture_to_command_ms=_percentiles(capture_to_command_ms(run)),
+        control_lateness_ms=_percentiles(lateness_ms(run)),
         recording=recording,
         recording_losses=run.losses,
     )
+
+
+def estimate_rate_hz(run: BenchRun) -> float | None:
+    """Usable estimates over the time between the first and the last; None for fewer than two."""
+    captured = times_ns(run.usable)
+    span_ns = int(np.ptp(captured)) if len(captured) else 0
+    return (len(captured) - 1) / span_ns * 1e9 if span_ns else None
+
+
+def capture_to_command_ms(run: BenchRun) -> Array:
+    """(N,) from the capture of a frame set to the first command written that used it."""
+    ages_ns = [
+        command.capture_to_command_ns for command in run.commands if command.capture_to_command_ns >= 0
+    ]
+    return np.array(ages_ns) / 1e6
+
+
+def lateness_ms(run: BenchRun) -> Array:
+    """(N,) how late the controller's cycles began."""
+    return np.array([state.lateness_s for state in run.states]) * 1e3
 
 
 def node_errors_mm(run: BenchRun, truth: TrueShapes) -> list[Array]:
@@ -99,18 +117,8 @@ def tip_errors_mm(run: BenchRun, truth: TrueShapes) -> Array:
 
 
 def _spread(values: Array) -> Spread:
-    if not values.size:
-        return Spread(mean=None, p95=None, max=None)
-    return Spread(
-        mean=_rounded(values.mean()), p95=_rounded(np.percentile(values, 95)), max=_rounded(values.max())
-    )
+    return Spread(mean=mean(values), p95=percentile(values, 95), max=most(values))
 
 
 def _percentiles(values: Array) -> Percentiles:
-    if not values.size:
-        return Percentiles(p50=None, p99=None)
-    return Percentiles(p50=_rounded(np.percentile(values, 50)), p99=_rounded(np.percentile(values, 99)))
-
-
-def _rounded(value: ArrayLike | None) -> float | None:
-    return None if value is None else round(float(np.asarray(value)), 4)
+    return Percentiles(p50=percentile(values, 50), p99=percentile(values, 99))

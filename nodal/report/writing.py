@@ -9,16 +9,18 @@ import msgspec
 import numpy as np
 
 from messaging.shape import NodalPoints, ShapeEstimate
-from nodal.bench_file import Bench
+from nodal.bench_file import CALIBRATION_ATTACHMENT, Bench
 from nodal.errors import ReportError
 from nodal.report.bench_run import BenchRun
+from nodal.report.findings import Findings
 from nodal.report.loading import frame_set, load_run
 from nodal.report.open_loop import open_loop_path
 from nodal.report.pictures.estimate import draw_estimate
 from nodal.report.pictures.run import draw_run
 from nodal.report.summary import CIRCLE, Summary, summary_of
-from nodal.report.tracking import Tracking, tracking_of
+from nodal.report.tracking import Tracking, true_tracking_of
 from nodal.report.truth import TrueShapes
+from recordings import Log
 from sensing.errors import SensingError
 from sensing.pipeline import Scene, estimate
 
@@ -31,18 +33,21 @@ CANDIDATES_APART = 97
 
 def write_report(folder: Path, recording: Path, bench: Bench) -> Summary:
     """From the recording of this simulated bench; raises ReportError, RecordingError, NodalError without matplotlib."""
-    run = load_run(recording)
+    log = Log(recording)
+    run = load_run(log)
+    if not run.rig:
+        raise ReportError(f"{recording}: no {CALIBRATION_ATTACHMENT} is attached")
     truth = TrueShapes(run.truths)
-    circle = tracking_of(run, truth, CIRCLE)
-    without_feedback = _without_feedback(circle, run, bench)
+    circle = true_tracking_of(run, truth, CIRCLE)
+    without_feedback = _without_feedback(circle, bench)
     summary = summary_of(run, recording.name, without_feedback.rms_mm() if without_feedback else None)
     (folder / "summary.json").write_bytes(msgspec.json.format(msgspec.json.encode(summary), indent=1) + b"\n")
-    draw_run(folder, run, truth, circle, without_feedback)
-    _draw_one_estimate(folder, recording, run, bench)
+    draw_run(folder, Findings(run), circle, without_feedback)
+    _draw_one_estimate(folder, log, run, bench)
     return summary
 
 
-def _without_feedback(circle: Tracking, run: BenchRun, bench: Bench) -> Tracking | None:
+def _without_feedback(circle: Tracking, bench: Bench) -> Tracking | None:
     """What the circle of this run would have been in open loop; None when there was no circle."""
     if len(circle.time_ns) < 2 or bench.settings.simulation is None:
         return None
@@ -51,14 +56,14 @@ def _without_feedback(circle: Tracking, run: BenchRun, bench: Bench) -> Tracking
     reached_mm = open_loop_path(
         circle.desired_mm,
         (circle.time_ns - circle.time_ns[0]) / 1e9,
-        run.arcs_mm(circle.names),
+        circle.arc_mm[0],
         bench.settings.controller.kinematics(bench.settings.robot),
         bench.settings.simulation.robot,
     )
-    return dataclasses.replace(circle, true_mm=reached_mm)
+    return dataclasses.replace(circle, reached_mm=reached_mm)
 
 
-def _draw_one_estimate(folder: Path, recording: Path, run: BenchRun, bench: Bench) -> None:
+def _draw_one_estimate(folder: Path, log: Log, run: BenchRun, bench: Bench) -> None:
     """The stages of one frame set, found anew without a prior: the more a shape is bent, the more it shows."""
     sensing = bench.settings.sensing
     scene = Scene.of(
@@ -69,7 +74,7 @@ def _draw_one_estimate(folder: Path, recording: Path, run: BenchRun, bench: Benc
         sensing.holder_radius_mm,
     )
     for shape in sorted(run.usable, key=_sideways_mm, reverse=True)[::CANDIDATES_APART]:
-        jpegs = {name: frame.jpeg for name, frame in frame_set(recording, shape.capture_time_ns).items()}
+        jpegs = {name: frame.jpeg for name, frame in frame_set(log, shape.capture_time_ns).items()}
         try:
             pictures = {name: scene.picture(name, jpeg) for name, jpeg in jpegs.items()}
             found = estimate(pictures, scene, shape.insertion_mm, None, time.perf_counter)
@@ -79,7 +84,7 @@ def _draw_one_estimate(folder: Path, recording: Path, run: BenchRun, bench: Benc
         nodes = NodalPoints(names=shape.node_names, arc_mm=shape.node_arc_mm)
         draw_estimate(folder, jpegs, run.rig, found, nodes)
         return
-    raise ReportError(f"{recording}: no frame set could be estimated anew for the pictures of its stages")
+    raise ReportError(f"{log.path}: no frame set could be estimated anew for the pictures of its stages")
 
 
 def _sideways_mm(shape: ShapeEstimate) -> float:

@@ -14,10 +14,10 @@ from messaging.settings import RobotSettings
 from messaging.shape import Flag, ShapeEstimate, Truth
 from nodal import targets
 from nodal.errors import ReportError
-from nodal.report.bench_run import BenchRun, FrameSets
+from nodal.report.bench_run import Accepted, BenchRun, FrameSets
 from nodal.report.open_loop import open_loop_path, solved
 from nodal.report.summary import CIRCLE, HOLD, summary_of
-from nodal.report.tracking import tracking_of
+from nodal.report.tracking import true_tracking_of
 from nodal.report.truth import TrueShapes
 
 START_NS = 1_700_000_000_000_000_000
@@ -121,7 +121,7 @@ def run():
             *(state(index, times[index], 0.1, HOLD) for index in range(40, 60)),
         ],
         commands=[command(age) for age in (-1, 10_000_000, -1, 20_000_000)],
-        targets={CIRCLE: circle, HOLD: hold},
+        accepted=[Accepted(time_ns=START_NS, target=target) for target in (circle, hold)],
     )
 
 
@@ -168,7 +168,7 @@ def test_refused_estimates_do_not_count_and_flagged_ones_do(run):
 def test_a_run_without_tracking_has_no_tracking_figures(run):
     run.states.clear()
     run.commands.clear()
-    run.targets.clear()
+    run.accepted.clear()
 
     summary = summary_of(run, "demo.mcap", None)
 
@@ -181,7 +181,7 @@ def test_a_run_without_tracking_has_no_tracking_figures(run):
 def test_a_run_without_estimates_has_no_errors(run):
     run.shapes.clear()
     run.states.clear()
-    run.targets.clear()
+    run.accepted.clear()
 
     summary = summary_of(run, "demo.mcap", None)
 
@@ -198,11 +198,21 @@ def test_a_run_without_truth_is_refused(run):
 
 
 def test_only_weighted_points_are_judged(run):
-    run.targets[CIRCLE] = dataclasses.replace(
+    target = dataclasses.replace(
         targets.points({"middle": [0, 0, 40], "tip": [0, 0, 80]}, {"middle": 0}), name=CIRCLE
     )
+    run.accepted[:] = [Accepted(time_ns=START_NS, target=target)]
+    run.states[:] = [
+        dataclasses.replace(
+            one,
+            node_names=("middle", "tip"),
+            desired_mm=np.vstack([np.zeros(3), one.desired_mm]),
+            measured_mm=np.vstack([np.zeros(3), one.measured_mm]),
+        )
+        for one in run.states
+    ]
 
-    tracking = tracking_of(run, TrueShapes(run.truths), CIRCLE)
+    tracking = true_tracking_of(run, TrueShapes(run.truths), CIRCLE)
 
     assert tracking.names == ("tip",)
     assert tracking.rms_mm() == pytest.approx(0.5)
@@ -213,9 +223,9 @@ def test_numbers_that_begin_anew_are_told_apart_by_their_time(run):
     run.shapes.append(shape(0, again))
     run.truths.append(truth_at(again + PERIOD_NS))
 
-    assert run.captured_ns(0, START_NS + PERIOD_NS) == START_NS
-    assert run.captured_ns(0, again + 1) == again
-    assert run.captured_ns(0, START_NS - 1) is None
+    assert run.shape_seen(0, START_NS + PERIOD_NS).capture_time_ns == START_NS
+    assert run.shape_seen(0, again + 1).capture_time_ns == again
+    assert run.shape_seen(0, START_NS - 1) is None
 
 
 def test_the_truth_is_interpolated_but_not_over_gaps(run):
