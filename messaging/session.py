@@ -54,9 +54,13 @@ class Publisher(Generic[M]):
 
     def put(self, message: M, sequence: int | None = None) -> int:
         """Send it; never waits for a receiver. Returns its number."""
+        return self.put_bytes(message.to_bytes(), sequence)
+
+    def put_bytes(self, payload: bytes, sequence: int | None = None) -> int:
+        """Send a message that is bytes already, as those out of a recording are. Returns its number."""
         number = self._next if sequence is None else sequence
         self._next = number + 1
-        self._publisher.put(message.to_bytes(), attachment=ENVELOPE.pack(number, time.time_ns(), self._epoch))
+        self._publisher.put(payload, attachment=ENVELOPE.pack(number, time.time_ns(), self._epoch))
         return number
 
 
@@ -113,6 +117,26 @@ class Answers:
         return None if query is None else Query(query, self._service)
 
 
+class Presence:
+    """Which processes are alive, as far as word of it has come; for a loop that cannot wait for `Session.alive`."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._alive: set[str] = set()
+        self._subscriber = session.liveliness().declare_subscriber(
+            "health/*", zenoh.handlers.FifoChannel(256), history=True
+        )
+
+    def alive(self) -> frozenset[str]:
+        """Their names; never waits."""
+        while (sample := self._subscriber.handler.try_recv()) is not None:
+            name = _process(sample.key_expr)
+            if sample.kind == zenoh.SampleKind.PUT:
+                self._alive.add(name)
+            else:
+                self._alive.discard(name)
+        return frozenset(self._alive)
+
+
 class Session:
     """One process on the bench's bus. Make it with `open_session`."""
 
@@ -154,9 +178,11 @@ class Session:
     def alive(self) -> frozenset[str]:
         """Names of the processes that are alive on this bench."""
         replies = self._session.liveliness().get("health/*", timeout=1.0)
-        return frozenset(
-            str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok is not None
-        )
+        return frozenset(_process(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+
+    def presence(self) -> Presence:
+        """The same, kept up to date from now on."""
+        return Presence(self._session)
 
 
 class Newest:
@@ -223,6 +249,10 @@ def _opened(config: Mapping[str, object], endpoint: str, bench: str) -> Iterator
 def _reason(error: Exception) -> str:
     text = str(error)
     return "the address is already in use" if "in use" in text else text.splitlines()[0]
+
+
+def _process(token: zenoh.KeyExpr) -> str:
+    return str(token).rpartition("/")[2]
 
 
 def _received(sample: zenoh.Sample) -> Received:

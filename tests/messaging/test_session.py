@@ -159,12 +159,36 @@ def test_a_caller_may_number_its_messages(pair, eventually):
     assert eventually(ring.take).sequence == 2**40 + 1
 
 
+def test_bytes_go_out_as_they_are_and_as_new(pair, eventually):
+    speaker, listener = pair
+    ring, publisher = listener.every(TENDON_COMMAND, 10_000), speaker.publisher(TENDON_COMMAND)
+    hear(ring, publisher, eventually)
+    before_ns = time.time_ns()
+    publisher.put_bytes(b"as recorded", 7)
+    received = eventually(lambda: (heard := ring.take()) and heard.sequence == 7 and heard)
+    assert received.payload == b"as recorded"
+    assert before_ns <= received.publish_time_ns <= time.time_ns()
+
+
 def test_each_start_of_a_publisher_is_an_epoch_of_its_own(pair, eventually):
     speaker, listener = pair
     ring = listener.every(TENDON_COMMAND, 100)
     first = hear(ring, speaker.publisher(TENDON_COMMAND), eventually)
     other = speaker.publisher(TENDON_COMMAND)
     eventually(lambda: hear(ring, other, eventually).epoch != first.epoch)
+
+
+def test_presence_hears_who_was_there_who_comes_and_who_goes(zenoh_settings, eventually):
+    with (
+        open_rendezvous(zenoh_settings, "bench"),
+        open_session(zenoh_settings, "bench", "first"),
+        open_session(zenoh_settings, "bench", "watcher") as watcher,
+    ):
+        presence = watcher.presence()
+        eventually(lambda: presence.alive() == {"rendezvous", "first", "watcher"})
+        with open_session(zenoh_settings, "bench", "second"):
+            eventually(lambda: "second" in presence.alive())
+        eventually(lambda: presence.alive() == {"rendezvous", "first", "watcher"})
 
 
 def test_a_pattern_hears_every_camera(pair, eventually):
