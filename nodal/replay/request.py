@@ -3,14 +3,14 @@
 import sys
 import tomllib
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
 from messaging.errors import NodalError
-from nodal.errors import CommandError
+from nodal.errors import CommandError, ReplayError
 from nodal.replay.account import as_text, ignored_in_words, totals_of
 from nodal.replay.verification import Verdict, impossible, verified
 from nodal.replay.what_if import write_what_if
@@ -43,21 +43,24 @@ def replay(request: Request) -> int:
     if changes and request.out is None:
         raise CommandError("--set asks what would have been; say where to write that: -o OUT")
     verdicts = []
-    with workers(jobs, request.cluster) as executor:
-        for verdict in _verdicts(request, changes, executor):
-            verdicts.append(verdict)
-            if verdict.error:
-                print(f"nodal: error: {verdict.error}", file=sys.stderr)
-            elif not request.as_json:
-                print(as_text(verdict), flush=True)
+    try:
+        with workers(jobs, request.cluster) as executor:
+            for verdict in _verdicts(request, changes, executor):
+                verdicts.append(verdict)
+                if verdict.error:
+                    print(f"nodal: error: {verdict.error}", file=sys.stderr)
+                elif not request.as_json:
+                    print(as_text(verdict), flush=True)
+    except BrokenExecutor as error:
+        raise ReplayError(f"a process that computed the replay died: {error}") from error
     totals = totals_of(verdicts)
     if request.as_json:
         print(msgspec.json.format(msgspec.json.encode(totals), indent=1).decode())
-    else:
+    elif totals.compared:
         print(ignored_in_words())
     if any(verdict.error for verdict in verdicts):
         return FAILED
-    return SAME if totals.same or changes else DIFFERENT
+    return SAME if totals.same or request.out is not None else DIFFERENT
 
 
 def changes_in(words: Sequence[str]) -> Table:

@@ -50,8 +50,13 @@ class _UnderWay:
 
 
 def verify_stretch(part: SensingPart | ControlPart, bench: Bench) -> Comparison:
-    """One stretch; what a worker does."""
-    return sensing.verify(part, bench) if isinstance(part, SensingPart) else controlling.verify(part, bench)
+    """One stretch; what a worker does. Raises ReplayError, which unlike others finds its way back from a worker."""
+    try:
+        return (
+            sensing.verify(part, bench) if isinstance(part, SensingPart) else controlling.verify(part, bench)
+        )
+    except NodalError as error:
+        raise ReplayError(str(error)) from None
 
 
 def verified(paths: Iterable[Path], executor: Executor) -> Iterator[Verdict]:

@@ -11,6 +11,7 @@ import msgspec
 
 from messaging import topics
 from messaging.control import ControllerState
+from messaging.errors import NodalError
 from messaging.history import Asked, Memory
 from messaging.message import Message
 from messaging.shape import ShapeEstimate
@@ -56,8 +57,15 @@ NOTE = "REPLAY"
 def write_what_if(path: Path, changes: Table, out: Path) -> Verdict:
     """Replay the log at `path` with other settings into `out`; the verdict says how that differs from what was logged.
 
-    Raises ReplayError, RecordingError, BenchFileError, or ControllerSetupError when the settings name no law.
+    Raises ReplayError, whatever else went wrong, since others would not find their way back from a worker.
     """
+    try:
+        return _written(path, changes, out)
+    except NodalError as error:
+        raise ReplayError(str(error)) from None
+
+
+def _written(path: Path, changes: Table, out: Path) -> Verdict:
     started_s = time.monotonic()
     log = Log(path)
     bench = recorded_bench(path, log.attachments, changes)

@@ -9,7 +9,7 @@ from typing import Any
 
 from nodal.errors import ReplayError
 
-ANSWER_WITHIN = "10s"
+ANSWER_WITHIN = "5s"
 
 
 @contextmanager

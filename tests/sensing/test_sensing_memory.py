@@ -1,0 +1,83 @@
+"""What sensing carries from set to set survives its bytes: whoever goes on from there estimates the same, bit for bit."""
+
+import numpy as np
+import pytest
+
+from messaging.errors import CodecError
+from messaging.shape import NodalPoints
+from messaging.snapshot import freeze
+from sensing.backdrop import Backdrop
+from sensing.errors import MemoryMisfitError
+from sensing.memory import SensingMemory, TrackMemory
+from sensing.pipeline import Scene
+from sensing.step import Clocks, SetInputs, step
+
+POINTS = NodalPoints(names=("middle", "tip"), arc_mm=np.array([40.0, 80.0]))
+STILL = Clocks(stage_s=lambda: 0.0, age_ns=lambda: 0)
+POSE, MOVED = (0.5, 0.4, 0.3, 0.4), (0.52, 0.41, 0.3, 0.38)
+
+
+@pytest.fixture(scope="module")
+def pictures(small_bench, arcs):
+    return [small_bench.photograph(arcs(*pose)) for pose in (POSE, MOVED)]
+
+
+def inputs(jpegs):
+    return SetInputs(
+        jpegs=jpegs, sequence=0, capture_time_ns=1, insertion_mm=0.0, base_known=True, points=POINTS
+    )
+
+
+def remembered(track):
+    memory = None if track is None else TrackMemory.of(track)
+    return SensingMemory.from_bytes(SensingMemory(track=memory, points=POINTS).to_bytes())
+
+
+@pytest.mark.parametrize("backdrop", ["fitted", "picture"])
+def test_the_next_estimate_is_the_same_from_memory(small_bench, without_robot, pictures, backdrop):
+    scene = small_bench.scene()
+    if backdrop == "picture":
+        scene = Scene.of(small_bench.rig, without_robot, None, 80.0, 25.0)
+    first, track = step(scene, inputs(pictures[0]), None, STILL)
+    assert first.trusted
+    memory = remembered(track)
+    assert memory.points == POINTS
+    assert bool(memory.track.surfaces) == (backdrop == "fitted")
+    live, live_track = step(scene, inputs(pictures[1]), track, STILL)
+    again, track_again = step(scene, inputs(pictures[1]), memory.track.track(scene), STILL)
+    assert "cold_start" not in live.stage_names
+    assert again.to_bytes() == live.to_bytes()
+    assert freeze(TrackMemory.of(track_again)) == freeze(TrackMemory.of(live_track))
+
+
+def test_nothing_seen_is_nothing_remembered(small_bench):
+    grey = np.zeros((2, 2), np.uint8)
+    refusal, track = step(small_bench.scene(), inputs({"left": b"", "right": grey.tobytes()}), None, STILL)
+    assert refusal.refusal
+    assert track is None
+    assert remembered(track).track is None
+
+
+def test_a_fitted_backdrop_is_made_again_from_its_coefficients(small_bench, pictures):
+    scene = small_bench.scene()
+    _, track = step(scene, inputs(pictures[0]), None, STILL)
+    camera = scene.cameras[0]
+    fitted = track.backdrops[camera.name]
+    again = Backdrop.from_surface(fitted.surface, camera.size_px)
+    assert np.array_equal(again.picture, fitted.picture)
+    assert np.array_equal(again.luma, fitted.luma)
+
+
+def test_a_memory_of_another_rig_is_refused(small_bench, pictures):
+    _, track = step(small_bench.scene(), inputs(pictures[0]), None, STILL)
+    memory = remembered(track).track
+    del memory.surfaces["right"]
+    with pytest.raises(MemoryMisfitError, match="no backdrop of camera right"):
+        memory.track(small_bench.scene())
+
+
+def test_a_memory_of_something_else_is_refused():
+    with pytest.raises(MemoryMisfitError, match="holds a NodalPoints, not sensing's memory"):
+        SensingMemory.from_bytes(freeze(POINTS))
+    with pytest.raises(CodecError, match="not a snapshot"):
+        SensingMemory.from_bytes(b"")
