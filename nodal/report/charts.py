@@ -104,16 +104,12 @@ def histogram(label: str, values_ms: ArrayLike, colour: int = 0) -> Series:
     """What share of these durations lies in each bin of `EDGES_MS`, in per cent."""
     values = np.clip(np.asarray(values_ms, np.float64), EDGES_MS[0], EDGES_MS[-1])
     counts, _ = np.histogram(values, EDGES_MS)
-    share = 100 * counts / max(len(values), 1)
     occupied = np.flatnonzero(counts)
-    first, last = (max(occupied[0] - 1, 0), occupied[-1] + 2) if len(occupied) else (0, 0)
-    return Series(
-        label=label,
-        x=EDGES_MS[first : last + 1],
-        y=np.append(share, 0.0)[first : last + 1],
-        colour=colour,
-        style="steps",
-    )
+    if not len(occupied):
+        return line(label, [], [], colour, "steps")
+    around = slice(max(occupied[0] - 1, 0), occupied[-1] + 3)
+    share = np.append(100 * counts / len(values), 0.0)
+    return line(label, EDGES_MS[around], share[around], colour, "steps")
 
 
 def a_second(label: str, time_s: ArrayLike, colour: int = 0) -> Series:
@@ -152,5 +148,5 @@ def overlaid(charts: Mapping[str, Chart]) -> Chart:
         dataclasses.replace(chart.series[0], label=name, colour=number)
         for number, (name, chart) in enumerate(charts.items())
     )
-    leading = first.series[0].label
-    return dataclasses.replace(first, title=f"{first.title}: {leading}", series=series, bands=())
+    title = f"{first.title}: {first.series[0].label}" if len(first.series) > 1 else first.title
+    return dataclasses.replace(first, title=title, series=series, bands=())

@@ -30,7 +30,7 @@ def _runs(reports: Sequence[RunReport]) -> Element:
                 element("a", report.name, href=f"#run{number}"),
                 utc(report.findings.run.start_ns),
                 with_unit((report.findings.run.end_ns - report.findings.run.start_ns) / 1e9, "s"),
-                TITLES[report.verdict.level],
+                element("strong", TITLES[report.verdict.level], class_=f"level {report.verdict.level}"),
                 report.verdict.done,
                 report.verdict.wrong,
             )
@@ -45,7 +45,7 @@ def _charts(reports: Sequence[RunReport]) -> list[Chart]:
     for report in reports:
         for charts in report.charts.values():
             for chart in charts:
-                if not chart.rows:
+                if not chart.rows and len(chart.series[0].x):
                     found.setdefault(chart.key, {})[report.name] = chart
     return [overlaid(charts) for charts in found.values() if len(charts) > 1]
 
@@ -58,6 +58,6 @@ def _figures(reports: Sequence[RunReport]) -> list[Content]:
     content: list[Content] = []
     for chapters in found.values():
         first = next(iter(chapters.values()))
-        side = side_by_side({report.name: chapters.get(report.name) for report in reports})
+        side = side_by_side(chapters)
         content.append(folded(first.title, side) if first.minor else [element("h3", first.title), side])
     return content

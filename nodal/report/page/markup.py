@@ -27,16 +27,19 @@ def section(anchor: str, title: str, *content: Content) -> Element:
 
 
 def table(
-    caption: str, header: Sequence[str], rows: Iterable[Sequence[Content]], class_: str | None = None
+    caption: str,
+    header: Sequence[str],
+    rows: Iterable[Sequence[Content] | Element],
+    class_: str | None = None,
 ) -> Element:
-    """The first cell of each row is the row's header. It scrolls by itself where it is too wide."""
+    """The first cell of each row, unless it is made already, is the row's header. The table scrolls by itself where it is too wide."""
     return element(
         "div",
         element(
             "table",
             element("caption", caption) if caption else None,
             element("thead", element("tr", (element("th", head, scope="col") for head in header))),
-            element("tbody", (_row(row) for row in rows)),
+            element("tbody", (row if isinstance(row, Element) else _row(row) for row in rows)),
             class_=class_,
         ),
         class_="scroll",

@@ -6,6 +6,7 @@ from nodal.report.figures.model import Figure
 
 DIGITS = {"mm": 3, "px": 3, "ms": 1, "s": 2, "Hz": 1, "%": 1, "mA": 0, "°C": 1, "V": 1, "MB": 2}
 NOTHING = "–"
+MINUS = "−"
 THIN_SPACE = "\u202f"
 
 
@@ -18,7 +19,7 @@ def with_unit(value: float | None, unit: str) -> str:
     """With as many digits as the unit deserves; a dash for nothing."""
     if value is None:
         return NOTHING
-    number = f"{value:,.{DIGITS.get(unit, 0)}f}".replace(",", THIN_SPACE).replace("-", "−")
+    number = f"{value:,.{DIGITS.get(unit, 0)}f}".replace(",", THIN_SPACE).replace("-", MINUS)
     return f"{number}{THIN_SPACE}{unit}" if unit else number
 
 
@@ -28,8 +29,9 @@ def difference(value: float | None, base: float | None, unit: str) -> str:
         return ""
     change = value - base
     sign = "+" if change > 0 else ""
-    percent = f" ({sign}{100 * change / base:.0f} %)".replace("-", "−") if base and unit != "%" else ""
-    return f"{sign}{with_unit(change, unit)}{percent}"
+    percent = f"{100 * change / base:.0f}" if base and unit != "%" else "0"
+    relative = "" if percent in ("0", "-0") else f" ({sign}{percent} %)".replace("-", MINUS)
+    return f"{sign}{with_unit(change, unit)}{relative}"
 
 
 def utc(time_ns: int) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
+from nodal.report.bench_run import BenchRun
 from nodal.report.charts import Chart
 from nodal.report.page import events
 from nodal.report.page.frames import moment_pictures
@@ -67,7 +68,7 @@ def run_sections(report: RunReport, anchor: str) -> list[Element]:
         ("latency", "Latencies", chapter("latency")),
         ("loop", "Control loop", chapter("loop")),
         ("tendons", "Tendons and stage", chapter("tendons")),
-        ("recorder", "Recording", [_facts(source), chapter("recorder")]),
+        ("recorder", "Recording", [_facts(source, findings.run), chapter("recorder")]),
         ("log", "Log", events.said(findings)),
         ("settings", "Settings that ran", _settings(source)),
     )
@@ -152,7 +153,7 @@ def _pictures(report: RunReport) -> list[Content]:
     ]
 
 
-def _facts(source: Source) -> list[Content]:
+def _facts(source: Source, run: BenchRun) -> list[Content]:
     """Files, versions, what is attached, and what is wrong with them."""
     facts: dict[str, list[str]] = {
         "files": [f"{path.name}, {megabytes(size)}" for path, size in source.files.items()],
@@ -161,13 +162,18 @@ def _facts(source: Source) -> list[Content]:
         "attached": list(source.attached),
         "lost": [f"{count} of {topic}" for topic, count in source.lost.items()],
         "damage": list(source.damage),
+        "unreadable": [
+            f"{topic.unreadable} of {key}; the first: {topic.unreadable_example}"
+            for key, topic in run.traffic.items()
+            if topic.unreadable
+        ],
     }
     return [
         element(
             "dl",
             (
                 [element("dt", name), (element("dd", value) for value in values)]
-                if name in ("files", "damage")
+                if name in ("files", "damage", "unreadable")
                 else [element("dt", name), element("dd", ", ".join(values))]
                 for name, values in facts.items()
                 if values

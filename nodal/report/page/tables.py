@@ -1,6 +1,6 @@
 """Groups of figures as tables: of one run, and of several side by side."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from xml.etree.ElementTree import Element
 
@@ -12,24 +12,30 @@ from nodal.report.page.numbers import NOTHING, difference, shown
 def figure_tables(chapter: Chapter) -> Element:
     """One table for each run of groups that hold the same figures: a row a group; a single group stands upright."""
     return element(
-        "div", (_table(chapter, list(alike)) for _, alike in groupby(chapter.groups, _keys)), class_="tables"
+        "div",
+        (
+            _table(chapter, list(alike))
+            for _, alike in groupby(chapter.groups, lambda group: _labels([group]))
+        ),
+        class_="tables",
     )
 
 
-def side_by_side(chapter_of: Mapping[str, Chapter | None]) -> Element:
-    """One chapter of several runs by their names, as far as they have it; differences are against the first run that has the figure."""
-    names = list(chapter_of)
-    places: dict[tuple[str, str], dict[str, Figure]] = {}
+def side_by_side(chapter_of: Mapping[str, Chapter]) -> list[Element]:
+    """One chapter of several runs by their names; differences are against the first run that has a figure."""
+    places: dict[str, dict[str, Group]] = {}
     for name, chapter in chapter_of.items():
-        for group in chapter.groups if chapter else ():
-            for figure in group.figures:
-                places.setdefault((group.title, figure.key), {})[name] = figure
-    return table(
-        "",
-        ["figure", *names],
-        ([_label(group, values), *_cells(names, values)] for (group, _), values in places.items()),
-        class_="figures",
-    )
+        for group in chapter.groups:
+            places.setdefault(group.title, {})[name] = group
+    return [
+        table(
+            "",
+            ["", "run", *labels],
+            (row for title in titles for row in _rows(title, labels, places[title])),
+            class_="figures compared",
+        )
+        for labels, titles in groupby(places, lambda title: _labels(places[title].values()))
+    ]
 
 
 def _table(chapter: Chapter, groups: list[Group]) -> Element:
@@ -48,23 +54,27 @@ def _table(chapter: Chapter, groups: list[Group]) -> Element:
     )
 
 
-def _keys(group: Group) -> tuple[str, ...]:
-    return tuple(figure.label for figure in group.figures)
+def _labels(groups: Iterable[Group]) -> tuple[str, ...]:
+    """Of every figure, whichever run has it."""
+    return tuple(dict.fromkeys(figure.label for group in groups for figure in group.figures))
 
 
-def _label(group: str, values: Mapping[str, Figure]) -> str:
-    return f"{group}: {next(iter(values.values())).label}"
+def _rows(title: str, labels: Sequence[str], groups: Mapping[str, Group]) -> Iterator[Element]:
+    """A row for each run, under one heading."""
+    figures = {name: {figure.label: figure for figure in group.figures} for name, group in groups.items()}
+    for number, (name, known) in enumerate(figures.items()):
+        yield element(
+            "tr",
+            element("th", title, scope="rowgroup", rowspan=str(len(figures))) if number == 0 else None,
+            element("th", name, scope="row"),
+            (element("td", _compared(known.get(label), label, figures)) for label in labels),
+        )
 
 
-def _cells(names: list[str], values: Mapping[str, Figure]) -> list[Content]:
-    base = next(iter(values.values()))
-    cells: list[Content] = []
-    for name in names:
-        figure = values.get(name)
-        if figure is None:
-            cells.append(NOTHING)
-        elif changed := difference(figure.value, base.value, base.unit):
-            cells.append([shown(figure), " ", element("small", changed)])
-        else:
-            cells.append(shown(figure))
-    return cells
+def _compared(figure: Figure | None, label: str, figures: Mapping[str, Mapping[str, Figure]]) -> Content:
+    """The figure, and how it differs from that of the first run that has it."""
+    if figure is None:
+        return NOTHING
+    base = next(known[label] for known in figures.values() if label in known)
+    changed = difference(figure.value, base.value, base.unit)
+    return [shown(figure), " ", element("small", changed)] if changed else shown(figure)

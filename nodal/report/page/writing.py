@@ -54,7 +54,8 @@ def _single(report: RunReport) -> str:
 def _several(reports: Sequence[RunReport]) -> str:
     title = f"{len(reports)} runs side by side"
     compared = comparison(reports)
-    contents: list[Content] = [element("header", element("h1", title)), _links(compared), *compared]
+    runs = [(f"run{number}", report.name) for number, report in enumerate(reports, start=1)]
+    contents: list[Content] = [element("header", element("h1", title)), _links(compared, runs), *compared]
     for number, report in enumerate(reports, start=1):
         contents.append(
             element(
@@ -73,11 +74,12 @@ def _document(title: str, contents: Sequence[Content]) -> str:
     return document(title, STYLE.read_text(encoding="utf-8"), *contents, footer)
 
 
-def _links(sections: Sequence[Element]) -> Element:
-    """To every section by its heading."""
+def _links(sections: Sequence[Element], more: Sequence[tuple[str, str]] = ()) -> Element:
+    """To every section by its heading, and to whatever else has an anchor and a name."""
+    places = [(part.get("id"), part.findtext("h2", "")) for part in sections]
     return element(
         "nav",
-        (element("a", part.findtext("h2", ""), href=f"#{part.get('id')}") for part in sections),
+        (element("a", name, href=f"#{anchor}") for anchor, name in (*places, *more)),
         aria_label="Sections",
     )
 
