@@ -5,7 +5,8 @@ NodalError
     |-- RecordingInUseError        another recorder is writing this file
     |-- RecordingExistsError       a finished recording stands there already; recordings are never overwritten
     |-- UnwritableError            the folder is missing or read-only, or the device fails
-    |   `-- DiskFullError          no room is left; what was written stays readable
+    |   |-- DiskFullError          no room is left, or less than is to be left; what was written stays readable
+    |   `-- DeletedError           the file was deleted while it was being written
     |-- UnreadableError            there is no such file, or it may not be read
     |-- DamagedRecordingError      bytes that are not what an MCAP file holds at that place
     `-- UnknownTopicError          a recorded topic that this version has no message type for
@@ -38,7 +39,11 @@ class UnwritableError(RecordingError):
 
 
 class DiskFullError(UnwritableError):
-    """No room is left on the disk, or the user's quota or file size limit is reached."""
+    """No room is left on the disk, or less than is to be left, or the user's quota or file size limit is reached."""
+
+
+class DeletedError(UnwritableError):
+    """Somebody deleted the file, or its folder, while it was being written."""
 
 
 class UnreadableError(RecordingError):

@@ -60,7 +60,9 @@ class Losses:
 
     def hear(self, key: str, epoch: int, sequence: int) -> None:
         """Take note of one publication."""
-        publisher = self._publishers.setdefault((key, epoch), _Publisher(next=sequence))
+        publisher = self._publishers.get((key, epoch))
+        if publisher is None:
+            publisher = self._publishers[key, epoch] = _Publisher(next=sequence)
         publisher.hear(key, sequence)
 
     def settle(self) -> list[Gap]:

@@ -1,5 +1,6 @@
 """The file a recording is written to: created exclusively, locked, and never left with half a record by a full disk."""
 
+import contextlib
 import errno
 import fcntl
 import os
@@ -7,7 +8,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from recordings.errors import DiskFullError, RecordingExistsError, RecordingInUseError, UnwritableError
+from recordings.errors import (
+    DeletedError,
+    DiskFullError,
+    RecordingExistsError,
+    RecordingInUseError,
+    UnwritableError,
+)
 from recordings.records import open_to_read
 
 NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
@@ -33,7 +40,7 @@ class Output:
             raise self._unwritable(error) from error
         fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._end = 0
-        self._sync_folder()
+        self._named = False
 
     def write(self, data: bytes) -> int:
         """Append; raises DiskFullError or UnwritableError, and then the file ends where it did before."""
@@ -42,7 +49,9 @@ class Output:
             while written < len(data):
                 written += os.pwrite(self._file, memoryview(data)[written:], self._end + written)
         except OSError as error:
-            os.ftruncate(self._file, self._end)
+            # a device that fails may refuse this too, and half a record is left out when the file is read
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, self._end)
             raise self._unwritable(error) from error
         self._end += written
         return written
@@ -51,19 +60,29 @@ class Output:
         """Bytes written so far."""
         return self._end
 
-    def flush(self) -> None:
-        """Nothing waits here: `write` hands everything to the kernel."""
-
     def sync(self) -> None:
-        """Have the device keep what was written, so that a power cut cannot take it; raises UnwritableError."""
+        """Have the device keep what was written, so that a power cut cannot take it.
+
+        Raises UnwritableError, and DeletedError when nobody can find the file any more.
+        """
         try:
+            if os.fstat(self._file).st_nlink == 0:
+                raise DeletedError(
+                    self.path, f"it was deleted after {self._end} bytes, while it was being written"
+                )
+            if not self._named:
+                self._sync_folder()
+                self._named = True
             os.fdatasync(self._file)
         except OSError as error:
             raise self._unwritable(error) from error
 
     def close(self) -> None:
-        """Let go of the file and its lock."""
-        os.close(self._file)
+        """Let go of the file and its lock; raises UnwritableError when the device has failed meanwhile."""
+        try:
+            os.close(self._file)
+        except OSError as error:
+            raise self._unwritable(error) from error
 
     def __enter__(self) -> Self:
         """The open file."""
@@ -92,6 +111,21 @@ class Output:
         if isinstance(error, FileNotFoundError):
             return UnwritableError(self.path, f"the folder {self.path.parent} does not exist")
         return UnwritableError(self.path, f"it cannot be written: {error.strerror}")
+
+
+def free_bytes(path: Path) -> int:
+    """Room that is left for this user where the file stands, or would if its folder were made."""
+    folder = next(folder for folder in path.absolute().parents if folder.exists())
+    disk = os.statvfs(folder)
+    return disk.f_bavail * disk.f_frsize
+
+
+def make_folder_of(path: Path) -> None:
+    """Make the folder of this file if it is missing; raises UnwritableError."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UnwritableError(path, f"its folder cannot be made: {error.strerror}") from error
 
 
 def in_use(path: Path) -> bool:

@@ -1,42 +1,69 @@
-"""The files of one recording: a recorder that was killed carries on in a second part beside the first.
+"""The files of one recording: it goes on in a new part when it grows too long, or when its recorder was killed.
 
     circle.mcap, circle.part2.mcap, circle.part3.mcap ...
 
-Every part stands for itself, with its own attachments; all but the last were cut off.
+Every part stands for itself, with its own attachments. One that was finished because it had grown too long names the next
+in its SUMMARY, as `goes_on_in`; one without a SUMMARY was cut off.
 """
 
-import itertools
+import re
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
-from recordings.errors import RecordingExistsError, RecordingInUseError
+from recordings.errors import DamagedRecordingError, RecordingExistsError, RecordingInUseError
 from recordings.output import in_use
+from recordings.reader import metadata
 from recordings.records import finished
 
+GOES_ON_IN = "goes_on_in"
 
-def new_path(folder: Path, time_ns: int) -> Path:
-    """A name for a recording that starts at this Unix time, in UTC: `2026-05-02T13-04-05Z.mcap`."""
-    return folder / time.strftime("%Y-%m-%dT%H-%M-%SZ.mcap", time.gmtime(time_ns // 10**9))
+
+def new_path(folder: Path, time_ns: int, purpose: str = "") -> Path:
+    """A free name for a recording that starts at this Unix time, in UTC: `2026-05-02T13-04-05Z.mcap`, `...Z-fault.mcap`."""
+    stem = time.strftime("%Y-%m-%dT%H-%M-%SZ", time.gmtime(time_ns // 10**9)) + (purpose and f"-{purpose}")
+    path, number = folder / f"{stem}.mcap", 1
+    while path.exists():
+        number += 1
+        path = folder / f"{stem}-{number}.mcap"
+    return path
+
+
+def part_path(path: Path, number: int) -> Path:
+    """The file of a recording's part; the first is number 1."""
+    return path if number == 1 else path.with_name(f"{path.stem}.part{number}{path.suffix}")
 
 
 def parts(path: Path) -> list[Path]:
-    """The files that there are of this recording, in order."""
-    return list(itertools.takewhile(Path.exists, _names(path)))
+    """The files that there are of this recording, in order; a missing part hides none of those after it."""
+    return [part_path(path, number) for number in _numbers(path)]
 
 
-def next_part(path: Path) -> Path:
-    """Where a recorder may go on; raises RecordingInUseError, or RecordingExistsError when the recording is finished."""
-    existing = parts(path)
-    for part in existing:
+def next_number(path: Path) -> int:
+    """The part in which a recorder may go on.
+
+    Raises RecordingInUseError, or RecordingExistsError when the recording was ended on purpose.
+    """
+    numbers = _numbers(path)
+    for part in parts(path):
         if in_use(part):
             raise RecordingInUseError(part, "another recorder is writing it")
-        if finished(part):
-            raise RecordingExistsError(part, "it is finished, and recordings are never overwritten")
-    return next(itertools.islice(_names(path), len(existing), None))
+    if not numbers:
+        return 1
+    last = part_path(path, numbers[-1])
+    if finished(last) and not _goes_on(last):
+        raise RecordingExistsError(last, "it is finished, and recordings are never overwritten")
+    return numbers[-1] + 1
 
 
-def _names(path: Path) -> Iterator[Path]:
-    yield path
-    for number in itertools.count(2):
-        yield path.with_name(f"{path.stem}.part{number}{path.suffix}")
+def _numbers(path: Path) -> list[int]:
+    later = re.compile(rf"{re.escape(path.stem)}\.part([1-9]\d*){re.escape(path.suffix)}")
+    names = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
+    numbers = [int(match[1]) for name in names if (match := later.fullmatch(name))]
+    return [1] * path.exists() + sorted(number for number in numbers if number > 1)
+
+
+def _goes_on(part: Path) -> bool:
+    try:
+        return GOES_ON_IN in metadata(part).get("SUMMARY", {})
+    except DamagedRecordingError:
+        return False

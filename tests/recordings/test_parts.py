@@ -5,9 +5,13 @@ from pathlib import Path
 import pytest
 
 from recordings.errors import RecordingExistsError, RecordingInUseError
-from recordings.parts import new_path, next_part, parts
+from recordings.parts import new_path, next_number, part_path, parts
 from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
+
+
+def next_part(path):
+    return part_path(path, next_number(path))
 
 
 def write(path):
