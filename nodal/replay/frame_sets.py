@@ -12,8 +12,8 @@ from recordings.reader import Recorded
 
 NEAR_NS = 1_000_000_000
 """A frame of a set was captured this close to the set's own time; numbers alone begin anew with each start of sensing."""
-LOGGED_WITHIN_NS = 3_000_000_000
-"""Frames and the estimate made of them are logged this close to one another."""
+LOGGED_WITHIN_NS = 1_000_000_000
+"""A frame is logged this close to its capture, or to the estimate made of it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,6 +32,11 @@ class FrameSetRecord:
     log_time_ns: int
     estimate: ShapeEstimate | None
     """As logged; None for a set that was never estimated."""
+
+    @property
+    def age_ns(self) -> int:
+        """From capture to estimate."""
+        return 0 if self.estimate is None else self.estimate.capture_to_publish_ns
 
     @classmethod
     def of(cls, recorded: Recorded) -> "FrameSetRecord":
@@ -57,7 +62,9 @@ def pictured(
         return
     wanted = {record.sequence for record in sets}
     frames = log.messages(
-        (topics.CAMERA,), sets[0].log_time_ns - LOGGED_WITHIN_NS, sets[-1].log_time_ns + LOGGED_WITHIN_NS
+        (topics.CAMERA,),
+        min(record.log_time_ns - record.age_ns for record in sets) - LOGGED_WITHIN_NS,
+        sets[-1].log_time_ns + LOGGED_WITHIN_NS,
     )
     waiting: dict[tuple[int, str], Frame] = {}
     for record in sets:

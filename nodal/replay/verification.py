@@ -20,7 +20,6 @@ from nodal.replay.sensing import SensingPart
 from recordings.log import Log
 
 LOGS_AHEAD = 2
-"""Logs that are read before the results of the first are waited for."""
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
@@ -59,8 +58,11 @@ def verify_stretch(part: SensingPart | ControlPart, bench: Bench) -> Comparison:
         raise ReplayError(str(error)) from None
 
 
-def verified(paths: Iterable[Path], executor: Executor) -> Iterator[Verdict]:
-    """The verdict on each log, in their order; a log that cannot be replayed has an error and ends nothing."""
+def verified(paths: Iterable[Path], executor: Executor, logs_ahead: int = LOGS_AHEAD) -> Iterator[Verdict]:
+    """The verdict on each log, in their order; a log that cannot be replayed has an error and ends nothing.
+
+    So many logs are read before the outcome of the first is waited for.
+    """
     under_way: deque[_UnderWay] = deque()
     for path in paths:
         try:
@@ -69,7 +71,7 @@ def verified(paths: Iterable[Path], executor: Executor) -> Iterator[Verdict]:
             while under_way:
                 yield _ended(under_way.popleft())
             yield impossible(path, error)
-        if len(under_way) > LOGS_AHEAD:
+        if len(under_way) > logs_ahead:
             yield _ended(under_way.popleft())
     while under_way:
         yield _ended(under_way.popleft())
