@@ -6,6 +6,7 @@ NodalError
 |-- CommandError           words on the command line that fit the grammar but mean nothing possible
 |-- DemoError              the demo cannot go on
 |   `-- ProcessError       one of its processes did not start, or does not stay up
+|-- ExportError            an export that cannot be written
 |-- ReportError            a recording that does not hold what a report needs
 `-- ReplayError            a recording that cannot be replayed as asked
 """
@@ -31,6 +32,10 @@ class DemoError(NodalError):
 
 class ProcessError(DemoError):
     """A process of the demo did not become ready in time, or died too often."""
+
+
+class ExportError(NodalError):
+    """The disk does not take what is exported."""
 
 
 class ReportError(NodalError):

@@ -3,7 +3,7 @@
 import argparse
 import importlib
 
-SUBCOMMANDS = ("info",)
+SUBCOMMANDS = ("info", "export")
 """Each is a file of nodal/log with SUMMARY, add_arguments and run, as the files of nodal/commands are."""
 
 
