@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-DIFFERENT = 1
+from nodal.replay.live_arguments import add_live_arguments, refuse_mixture
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,10 +37,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="compute on a Dask cluster: its scheduler's address, or `local` (needs the extra `cluster`)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    add_live_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; see the epilog for the exit status."""
+    refuse_mixture(arguments)
+    if arguments.live:
+        from nodal.replay.live import replay_live  # noqa: PLC0415
+
+        return replay_live(arguments)
     from nodal.replay.request import Request, replay  # noqa: PLC0415
 
     request = Request(

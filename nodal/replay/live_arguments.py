@@ -15,6 +15,7 @@ ONLY_LIVE = {
     "--until": "until_moment",
     "--feed-controller": "feed_controller",
 }
+NEVER_LIVE = {"--set": "changes", "-o": "out", "--jobs": "jobs", "--dask": "dask"}
 
 
 def add_live_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,10 +47,11 @@ def add_live_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def refuse_unless_live(arguments: argparse.Namespace) -> None:
-    """Raise CommandError for an argument that means nothing without `--live`."""
-    if stray := [option for option, name in ONLY_LIVE.items() if getattr(arguments, name)]:
-        raise CommandError(f"{', '.join(stray)}: means something only beside --live")
+def refuse_mixture(arguments: argparse.Namespace) -> None:
+    """Raise CommandError for an argument of a live replay without `--live`, or of another replay beside it."""
+    wrong, word = (NEVER_LIVE, "without") if arguments.live else (ONLY_LIVE, "beside")
+    if stray := [option for option, name in wrong.items() if getattr(arguments, name)]:
+        raise CommandError(f"{', '.join(stray)}: means something only {word} --live")
 
 
 def _speed(text: str) -> float:

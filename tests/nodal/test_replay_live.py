@@ -1,0 +1,402 @@
+"""Live replay over a real bus: same bytes, same numbers, same spacing, ages as fresh - and never beside who says the same."""
+
+import argparse
+import contextlib
+import itertools
+import signal
+import statistics
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from messaging import topics
+from messaging.session import open_rendezvous, open_session
+from messaging.shape import Truth
+from nodal.__main__ import main
+from nodal.bench_file import bench_path, load_bench
+from nodal.errors import CommandError, ReplayError
+from nodal.log.spans import Span
+from nodal.replay.live import Playing, play
+from nodal.replay.live_arguments import add_live_arguments
+from nodal.replay.live_guard import Guard
+from nodal.replay.live_order import by_publication, read_ahead, timeline
+from nodal.replay.live_pace import Lateness
+from nodal.replay.live_topics import DEFAULT, chosen
+from nodal.toml_file import read_table, written
+from recordings.log import Log
+from recordings.reader import Recorded
+from recordings.settings import RecorderSettings
+from recordings.writer import RecordingWriter
+
+START_NS = 1_700_000_000_000_000_000
+MS = 1_000_000
+
+
+def one(number, publish_ms, wait_ms, topic="truth"):
+    """A recorded message that was said at this time and logged that much later."""
+    return Recorded(
+        path=Path("a.mcap"),
+        topic=topic,
+        schema="nodal.Truth",
+        log_time_ns=START_NS + (publish_ms + wait_ms) * MS,
+        publish_time_ns=START_NS + publish_ms * MS,
+        sequence=number,
+        payload=b"",
+    )
+
+
+# ---- the order of saying, without a bus
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 5000), st.integers(-2000, 3000), st.sampled_from("ab")), max_size=60)
+)
+def test_everything_is_said_once_in_order_of_saying_each_topic_in_its_own(moments):
+    recorded = sorted(
+        (one(number, publish, wait, topic) for number, (publish, wait, topic) in enumerate(moments)),
+        key=lambda message: message.log_time_ns,
+    )
+    said = list(by_publication(recorded))
+    assert [time_ns for time_ns, _ in said] == sorted(time_ns for time_ns, _ in said)
+    for topic in "ab":
+        assert [m for _, m in said if m.topic == topic] == [m for m in recorded if m.topic == topic]
+
+
+def test_the_publish_time_counts_unless_the_recorder_cannot_have_heard_it_then():
+    recorded = [one(0, 0, 900), one(1, 10, 900, "shape"), one(2, 20, 5000, "a"), one(3, 9000, -30, "b")]
+    recorded.sort(key=lambda message: message.log_time_ns)
+    at_ms = {message.sequence: (time_ns - START_NS) / MS for time_ns, message in by_publication(recorded)}
+    assert at_ms == {0: 0, 1: 10, 2: 5020, 3: 8970}
+
+
+def test_rounds_follow_one_another_until_one_is_empty():
+    rounds = [[one(0, 100, 1), one(1, 140, 1)], [one(2, 100, 1)], [], [one(3, 0, 0)]]
+    due = [(due_ns / MS, message.sequence) for due_ns, message in timeline(rounds)]
+    assert due == [(0, 0), (40, 1), (90, 2)]
+
+
+def test_reading_ahead_changes_nothing_and_hands_errors_on():
+    def broken():
+        yield from items
+        raise CommandError("the disk is gone")
+
+    items = [(number, one(number, number, 0)) for number in range(700)]
+    with ThreadPoolExecutor(1) as executor:
+        assert list(read_ahead(iter(items), executor)) == items
+        got = []
+        with pytest.raises(CommandError, match="the disk is gone"):
+            got.extend(read_ahead(broken(), executor))
+
+
+def test_lateness_is_told_by_quantiles():
+    lateness = Lateness()
+    assert lateness.quantile_ms(0.5) == 0
+    for late_ms in range(1, 101):
+        lateness.add(late_ms / 1e3)
+    assert [lateness.quantile_ms(share) for share in (0.5, 0.99, 1.0)] == pytest.approx([50, 99, 100])
+
+
+# ---- which topics
+
+
+def test_without_a_word_everything_is_said_that_feeds_a_controller_and_nothing_of_its_own():
+    said_by = {topic.said_by for topic in chosen(DEFAULT)}
+    assert said_by == {"sensing", "simulated bench"}
+    assert topics.SHAPE in chosen(DEFAULT)
+    assert all(topic.logged for topic in chosen(("all",)))
+    assert {topic.key for topic in chosen(("camera/left", "tendon/state"))} == {"camera/left", "tendon/state"}
+    assert topics.CAMERA in chosen(("camera/*",))
+
+
+@pytest.mark.parametrize("word", ["shapes", "", "recorder", "simulated/camera/left"])
+def test_an_unknown_word_is_refused(word):
+    with pytest.raises(CommandError, match="neither a key that is recorded"):
+        chosen((word,))
+
+
+# ---- on the bus
+
+
+def truth(number):
+    return Truth(
+        capture_time_ns=number,
+        arc_mm=[0.0, 1.0],
+        centreline_mm=[[0.0, 0.0, number], [0.0, 0.0, 1.0]],
+        insertion_mm=0.0,
+    ).to_bytes()
+
+
+GAPS_MS = (20, 60, 5, 5, 90, 20, 40, 1, 30, 70, 10, 25)
+NUMBERS = (5, 6, 8, 9, 10, 11, 12, 13, 0, 1, 2, 4)
+"""One was lost, and who said it was started anew."""
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """A recording of a few truths, a controller's word, and something else; logged late and unevenly."""
+    path = tmp_path / "short.mcap"
+    publish_ms = list(itertools.accumulate(GAPS_MS))
+    with RecordingWriter(path, RecorderSettings()) as writing:
+        for name, data in load_bench("simulated").attachments().items():
+            writing.attach(name, data, START_NS)
+        log_ns = 0
+        for number, at_ms in zip(NUMBERS, publish_ms, strict=True):
+            log_ns = max(log_ns, START_NS + (at_ms + 7 * number % 15) * MS)
+            for topic, payload in ((topics.TRUTH, truth(at_ms)), (topics.TENDON_STATE, b"")):
+                writing.write(
+                    topic.key,
+                    topic.type.protobuf,
+                    payload,
+                    sequence=number,
+                    publish_time_ns=START_NS + at_ms * MS,
+                    log_time_ns=log_ns,
+                )
+    return path
+
+
+@pytest.fixture
+def bus(zenoh_settings):
+    """The replay's session and a listener's, which know each other."""
+    with (
+        open_rendezvous(zenoh_settings, "simulated"),
+        open_session(zenoh_settings, "simulated", "replay-1") as session,
+        open_session(zenoh_settings, "simulated", "viewer") as listener,
+    ):
+        yield session, listener
+
+
+def playing(path, **changes):
+    values = {
+        "log": Log(path),
+        "topics": (topics.TRUTH,),
+        "span": Span(beginning_ns=START_NS, start_ns=START_NS, end_ns=None),
+    }
+    return Playing(**(values | changes))
+
+
+def heard(ring):
+    received = []
+    while (message := ring.take()) is not None:
+        received.append(message)
+    return received
+
+
+def met(session, listener, eventually):
+    """A ring of everything on `truth` at a listener whom the session knows, and what the replay is to check."""
+    ring, guard = listener.every(topics.TRUTH, 10_000), session.presence()
+    eventually(lambda: {"viewer", "rendezvous"} <= guard.alive())
+    probe = session.publisher(topics.TRUTH)
+    eventually(lambda: (probe.put_bytes(b"probe"), ring.take())[1])
+    time.sleep(0.05)
+    heard(ring)
+    return ring
+
+
+def test_bytes_numbers_and_spacing_are_those_of_the_recording_and_ages_are_fresh(bus, recording, eventually):
+    session, listener = bus
+    ring = met(session, listener, eventually)
+    before_ns = time.time_ns()
+    played = play(playing(recording), session, lambda: None, threading.Event(), lambda _: None)
+    received = []
+    eventually(lambda: received.extend(heard(ring)) or len(received) == len(NUMBERS))
+
+    at_ms = list(itertools.accumulate(GAPS_MS))
+    assert [message.sequence for message in received] == list(NUMBERS)
+    assert [message.payload for message in received] == [truth(ms) for ms in at_ms]
+    times_ns = [message.publish_time_ns for message in received]
+    assert all(before_ns < time_ns <= time.time_ns() for time_ns in times_ns)
+    assert times_ns == sorted(times_ns)
+    # deadlines do not add up their errors: at half of them, at least, the machine was there in time
+    errors_ms = [
+        (time_ns - times_ns[0]) / MS - (ms - at_ms[0]) for time_ns, ms in zip(times_ns, at_ms, strict=True)
+    ]
+    assert abs(statistics.median(errors_ms)) < 20
+    # the restart of who said it is a restart here too
+    epochs = [message.epoch for message in received]
+    assert len(set(epochs)) == 2
+    assert len(set(epochs[:8])) == 1
+    assert played.messages == {"truth": len(NUMBERS)}
+    assert played.late_p50_ms <= played.late_p99_ms <= played.late_most_ms
+
+
+def test_twice_the_speed_takes_half_the_time(bus, recording):
+    session, _ = bus
+    quiet = (session, lambda: None, threading.Event(), lambda _: None)
+    slow = play(playing(recording, speed=0.5), *quiet)
+    fast = play(playing(recording, speed=4.0), *quiet)
+    # 8 to 1, were it not for starting up and for the machine
+    assert slow.duration_s > 2 * fast.duration_s
+    assert slow.messages == fast.messages
+
+
+def test_a_loop_goes_on_until_it_is_stopped(bus, recording, eventually):
+    session, listener = bus
+    ring = met(session, listener, eventually)
+    stop, rounds = threading.Event(), 3
+    received = []
+
+    def look(_):
+        received.extend(heard(ring))
+        if len(received) > rounds * len(NUMBERS):
+            stop.set()
+
+    played = play(playing(recording, speed=20.0, loop=True), session, lambda: None, stop, look)
+    assert [message.sequence for message in received[: rounds * len(NUMBERS)]] == list(NUMBERS) * rounds
+    assert played.messages["truth"] >= rounds * len(NUMBERS)
+
+
+def test_a_stretch_is_all_that_is_said(bus, recording):
+    session, _ = bus
+    span = Span(beginning_ns=START_NS, start_ns=START_NS + 150 * MS, end_ns=START_NS + 300 * MS)
+    inside = list(Log(recording).messages((topics.TRUTH,), span.start_ns, span.end_ns))
+    played = play(
+        playing(recording, span=span, speed=10), session, lambda: None, threading.Event(), lambda _: None
+    )
+    assert 0 < len(inside) < len(NUMBERS)
+    assert played.messages == {"truth": len(inside)}
+
+
+def test_nothing_to_say_is_an_error(bus, recording):
+    session, _ = bus
+    with pytest.raises(ReplayError, match="holds none of these in that stretch: shape"):
+        play(
+            playing(recording, topics=(topics.SHAPE,)),
+            session,
+            lambda: None,
+            threading.Event(),
+            lambda _: None,
+        )
+
+
+# ---- the guard
+
+
+def guard(session, words, *, feed_controller=False):
+    return Guard(session.presence(), "simulated", chosen(words), "replay-1", feed_controller=feed_controller)
+
+
+@pytest.mark.parametrize(
+    ("alive", "words", "complaint"),
+    [
+        ("sensing", ("camera/left", "truth"), "sensing is alive on bench simulated and says camera/left"),
+        ("simulation", DEFAULT, "simulation is alive on bench simulated and says truth"),
+        ("controller", ("tendon/state",), "controller is alive on bench simulated and says tendon/state"),
+        ("controller", ("shape",), "its robot may move by recorded shapes"),
+        ("replay-2", ("truth",), r"another replay \(replay-2\) is under way"),
+    ],
+)
+def test_who_must_not_be_alive_is_named(bus, zenoh_settings, alive, words, complaint):
+    session, _ = bus
+    with (
+        open_session(zenoh_settings, "simulated", alive),
+        pytest.raises(ReplayError, match=complaint),
+    ):
+        guard(session, words).meet("here", threading.Event())
+
+
+@pytest.mark.parametrize(
+    ("alive", "words", "feed_controller"),
+    [
+        ("recorder", ("all",), False),
+        ("controller", ("truth", "camera/*"), False),
+        ("controller", DEFAULT, True),
+        ("sensing", ("tendon/state",), False),
+    ],
+)
+def test_who_may_be_alive_is_left_alone(bus, zenoh_settings, eventually, alive, words, feed_controller):
+    session, _ = bus
+    with open_session(zenoh_settings, "simulated", alive):
+        careful = guard(session, words, feed_controller=feed_controller)
+        careful.meet("here", threading.Event())
+        assert alive in careful._alive()
+        careful.check()
+
+
+def test_who_comes_later_ends_the_replay(bus, recording, zenoh_settings):
+    session, _ = bus
+    careful = guard(session, ("sensing", "simulation"))
+    careful.meet("here", threading.Event())
+    with contextlib.ExitStack() as later:
+
+        def start_sensing(_):
+            if not later._exit_callbacks:
+                later.enter_context(open_session(zenoh_settings, "simulated", "sensing"))
+
+        with pytest.raises(ReplayError, match="sensing is alive"):
+            play(playing(recording, loop=True), session, careful.check, threading.Event(), start_sensing)
+
+
+def test_without_a_rendezvous_nobody_hears_and_that_is_said(zenoh_settings, monkeypatch):
+    monkeypatch.setattr("nodal.replay.live_guard.MEET_WITHIN_S", 0.2)
+    with (
+        open_session(zenoh_settings, "simulated", "replay-1") as session,
+        pytest.raises(ReplayError, match="no rendezvous of bench simulated answers at there"),
+    ):
+        guard(session, DEFAULT).meet("there", threading.Event())
+
+
+# ---- the command
+
+
+@pytest.fixture
+def bench_file(tmp_path, zenoh_settings):
+    """The simulated bench, with its bus at a free port."""
+    table = read_table(bench_path("simulated"))
+    table["calibration"] = load_bench("simulated").settings.calibration
+    table["zenoh"] = {"rendezvous": zenoh_settings.rendezvous}
+    path = tmp_path / "bench.toml"
+    path.write_text(written(table), encoding="utf-8")
+    return path
+
+
+def test_a_signal_ends_the_command_in_good_order(recording, bench_file, zenoh_settings, eventually):
+    words = ["replay", str(recording), "--live", "--config", str(bench_file), "--topics", "truth"]
+    with (
+        open_rendezvous(zenoh_settings, "simulated"),
+        open_session(zenoh_settings, "simulated", "viewer") as listener,
+        subprocess.Popen(
+            [sys.executable, "-m", "nodal", *words, "--loop", "--speed", "2"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as child,
+    ):
+        ring = listener.every(topics.TRUTH, 10_000)
+        try:
+            eventually(lambda: child.poll() is not None or len(heard(ring)) > 0)
+            child.send_signal(signal.SIGINT)
+            out, err = child.communicate(timeout=15)
+        finally:
+            child.kill()
+    assert (child.returncode, err) == (0, "")
+    assert "messages of 1 topics" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["--topics", "all", "--loop"], "--topics, --loop: means something only beside --live"),
+        (["--live", "--jobs", "2"], "--jobs: means something only without --live"),
+        (["--live", "--topics", "shapes"], "--topics 'shapes': neither a key that is recorded"),
+        (["b.mcap", "--live"], "--live replays one recording at a time; there are 2"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(recording, words, complaint, capsys):
+    assert main(["replay", str(recording), *words]) == 2
+    assert complaint in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("speed", ["0", "-1", "nan", "inf", "fast"])
+def test_an_impossible_speed_is_refused(speed, capsys):
+    parser = argparse.ArgumentParser()
+    add_live_arguments(parser)
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--live", "--speed", speed])
+    assert "is not a speed" in capsys.readouterr().err
