@@ -7,7 +7,7 @@ DURATION ?= 60
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test bench lock protobuf docs format clean
+.PHONY: help demo test bench lock protobuf docs golden format clean
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
@@ -24,6 +24,10 @@ test: .venv/dev.stamp ## lint, types, import contracts, tests
 
 bench: .venv/dev.stamp ## side-by-side measurements; takes minutes
 	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+golden: .venv/dev.stamp ## replay tests/data/*.mcap into themselves; only when other results are meant
+	@for log in tests/data/*.mcap; do \
+		$(BIN)/nodal replay $$log -o $$log.new && mv $$log.new $$log || exit 1; done
 
 format: .venv/dev.stamp ## rewrite the code as the formatter wants it
 	$(BIN)/ruff check --fix .

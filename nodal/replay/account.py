@@ -49,6 +49,8 @@ def _lines(verdict: Verdict) -> Iterator[str]:
         return
     comparison = verdict.comparison
     outcome = "same" if verdict.same else "DIFFERENT" if comparison.different else "nothing could be compared"
+    if verdict.out:
+        outcome = f"written to {verdict.out}; against the log: {outcome.lower()}"
     speed = f", {verdict.span_s / verdict.took_s:.1f} x real time" if verdict.took_s else ""
     yield f"{verdict.log}: {outcome} ({verdict.span_s:.1f} s in {verdict.took_s:.1f} s{speed})"
     for key, tally in comparison.topics.items():

@@ -113,7 +113,7 @@ def skipped(key: str, reason: str) -> Comparison:
 
 
 def _one(key: str, fields: dict[str, Difference]) -> Comparison:
-    return Comparison(topics={key: Tally(compared=1, different=bool(fields), fields=fields)})
+    return Comparison(topics={key: Tally(compared=1, different=int(bool(fields)), fields=fields)})
 
 
 def _bits(value: Any) -> Any:

@@ -30,6 +30,8 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     took_s: float
     comparison: Comparison
     damage: list[str]
+    out: str = ""
+    """Where a what-if was written."""
     error: str = ""
     """Why the log could not be replayed at all."""
 

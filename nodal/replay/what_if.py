@@ -30,7 +30,6 @@ from nodal.replay.verification import Verdict
 from nodal.toml_file import Table
 from recordings.log import Log
 from recordings.reader import Recorded, topic_of
-from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
 
 MADE_ANEW = {
@@ -84,7 +83,7 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
         for record, estimate, memory in sensing.imagine(sensed, bench, points)
     }
     found = Comparison()
-    with RecordingWriter(out, RecorderSettings()) as recording:
+    with RecordingWriter(out, bench.settings.recorder) as recording:
         imagined = _Imagined(recording, bench, controlled, estimates)
         first = next(log.messages(), None)
         began_ns = first.log_time_ns if first else 0
@@ -100,6 +99,7 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
         recording.describe("SUMMARY", {**messages, "duration_s": f"{duration_s:.3f}"})
     return Verdict(
         log=str(path),
+        out=str(out),
         span_s=duration_s,
         took_s=time.monotonic() - started_s,
         comparison=found,
