@@ -61,7 +61,7 @@ def run(
         desk.answer(now_ns())
         more = deck.step(now_ns())
         healthy()
-        if not heard and not more:
+        if not more and len(heard) < SWEEP:
             # not stop.wait: a signal handler that sets an Event its own thread waits on can lock up
             time.sleep(IDLE_S)
     for _ in range(settings.ring_depth // SWEEP + 1):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from recordings.errors import RecordingExistsError, RecordingInUseError
-from recordings.parts import new_path, next_number, part_path, parts
+from recordings.parts import GOES_ON_IN, new_path, next_number, part_path, parts
 from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
 
@@ -39,11 +39,37 @@ def test_a_recording_that_was_cut_off_goes_on_in_its_next_part(tmp_path):
     assert parts(path) == [path, tmp_path / "circle.part2.mcap"]
 
 
+def test_a_recording_killed_between_two_parts_goes_on(tmp_path):
+    path = tmp_path / "circle.mcap"
+    with write(path) as recording:
+        recording.describe("SUMMARY", {GOES_ON_IN: "circle.part2.mcap"})
+    assert next_part(path) == tmp_path / "circle.part2.mcap"
+    # the next part is made before the one that is full is finished, so that the kill may also leave this
+    (tmp_path / "circle.part2.mcap").touch()
+    assert next_part(path) == tmp_path / "circle.part3.mcap"
+
+
+def test_a_part_that_is_gone_hides_none_of_those_after_it(tmp_path):
+    path = tmp_path / "circle.mcap"
+    for name in (
+        "circle.part2.mcap",
+        "circle.part10.mcap",
+        "circle.part1.mcap",
+        "other.part3.mcap",
+        "circle.part4.mcap.bak",
+    ):
+        (tmp_path / name).touch()
+    assert parts(path) == [tmp_path / "circle.part2.mcap", tmp_path / "circle.part10.mcap"]
+    assert next_part(path) == tmp_path / "circle.part11.mcap"
+
+
 def test_a_finished_recording_does_not_go_on(tmp_path):
     path = tmp_path / "circle.mcap"
-    with write(path):
+    with write(path) as recording:
+        recording.describe("SUMMARY", {GOES_ON_IN: "circle.part2.mcap"})
+    with write(tmp_path / "circle.part2.mcap"):
         pass
-    with pytest.raises(RecordingExistsError, match=r"circle\.mcap: it is finished"):
+    with pytest.raises(RecordingExistsError, match=r"circle\.part2\.mcap: it is finished"):
         next_part(path)
 
 
@@ -51,3 +77,20 @@ def test_a_recording_that_is_being_written_belongs_to_its_recorder(tmp_path):
     path = tmp_path / "circle.mcap"
     with write(path), pytest.raises(RecordingInUseError, match="another recorder"):
         next_part(path)
+
+
+def test_a_later_part_alone_has_no_others(tmp_path):
+    (tmp_path / "circle.mcap").touch()
+    (tmp_path / "circle.part2.mcap").touch()
+    assert parts(tmp_path / "circle.part2.mcap") == [tmp_path / "circle.part2.mcap"]
+
+
+def test_a_folder_that_is_not_there_holds_nothing(tmp_path):
+    assert parts(tmp_path / "nowhere" / "circle.mcap") == []
+
+
+def test_names_that_are_taken_get_a_number(tmp_path):
+    (tmp_path / "2026-05-02T12-57-25Z-fault.mcap").touch()
+    time_ns = 1_777_726_645_987_654_321
+    assert new_path(tmp_path, time_ns, "fault").name == "2026-05-02T12-57-25Z-fault-2.mcap"
+    assert new_path(tmp_path, time_ns).name == "2026-05-02T12-57-25Z.mcap"
