@@ -13,8 +13,9 @@ from messaging.shape import ShapeEstimate, Truth
 from messaging.views import LogLine
 from nodal.bench_file import CALIBRATION_ATTACHMENT
 from nodal.calibration_file import rig_in
-from nodal.report import traffic
+from nodal.errors import CalibrationFileError
 from nodal.report.bench_run import Accepted, BenchRun, Line
+from nodal.report.traffic import topic_traffic
 from recordings import Log
 from recordings.errors import UnknownTopicError
 from recordings.reader import topic_of
@@ -35,14 +36,18 @@ LOGGED_WITHIN_NS = 1_000_000_000
 
 
 def load_run(recording: Path | Log) -> BenchRun:
-    """Everything but pictures; raises RecordingError when there is no such recording, CalibrationFileError.
+    """Everything but pictures; raises RecordingError when there is no such recording.
 
     Messages that cannot be read are counted in the run's `traffic`, damaged places are in the log's `damage`.
     """
     log = recording if isinstance(recording, Log) else Log(recording)
-    run = BenchRun(rig=_rig(log), losses=_lost(log))
+    rig, _ = attached_rig(log)
+    run = BenchRun(rig=rig, losses=_lost(log))
     for recorded in log.messages():
-        heard = traffic.hear(run.traffic, recorded)
+        heard = topic_traffic(run.traffic, recorded.topic)
+        if heard.repeats(recorded):
+            continue
+        heard.hear(recorded)
         topic = topic_of(recorded.topic)
         if topic is topics.CAMERA:
             run.frames.hear(recorded.topic, recorded.sequence)
@@ -88,10 +93,15 @@ def _sort_in(run: BenchRun, message: Message, log_time_ns: int) -> None:
             )
 
 
-def _rig(log: Log) -> tuple[CameraCalibration, ...]:
-    """The attached calibration; none without one, and then no picture can show where the robot was seen."""
+def attached_rig(log: Log) -> tuple[tuple[CameraCalibration, ...], str]:
+    """The attached calibration, and what is wrong with it; without one no picture can show where the robot was seen."""
     attached = log.attachments.get(CALIBRATION_ATTACHMENT)
-    return rig_in(attached, f"{log.path}, attachment {CALIBRATION_ATTACHMENT}") if attached else ()
+    if attached is None:
+        return (), f"no {CALIBRATION_ATTACHMENT} is attached"
+    try:
+        return rig_in(attached, f"attachment {CALIBRATION_ATTACHMENT}"), ""
+    except CalibrationFileError as error:
+        return (), str(error)
 
 
 def _lost(log: Log) -> int:

@@ -6,9 +6,12 @@ from pathlib import Path
 
 from nodal.bench_file import BENCH_ATTACHMENT
 from nodal.errors import BenchFileError
-from nodal.report.loading import lost_in
+from nodal.report.loading import attached_rig, lost_in
 from nodal.toml_file import table_in
 from recordings import Log
+from recordings.metadata import CHECKSUM
+
+GOES_ON = "goes_on_in"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -23,13 +26,18 @@ class Source:
     versions: Mapping[str, str]
     lost: Mapping[str, int]
     damage: tuple[str, ...]
-    finished: bool
+    rig_problem: str
+    """Why no camera's calibration is known; empty when it is."""
+    ending: str
+    """Why the recorder ended it; empty when the recording was cut off, or goes on in a part that is not there."""
 
 
 def source_of(log: Log) -> Source:
     """Of a log whose messages were read, so that its damage is known; raises RecordingError."""
+    _, rig_problem = attached_rig(log)
     text = log.attachments.get(BENCH_ATTACHMENT, b"").decode(errors="replace")
     summaries = log.metadata("SUMMARY")
+    last = summaries.get(log.parts[-1], {GOES_ON: ""})
     versions: dict[str, str] = {}
     for noted in log.metadata("VERSIONS").values():
         versions |= noted
@@ -39,10 +47,11 @@ def source_of(log: Log) -> Source:
         bench_text=text,
         attached=tuple(log.attachments),
         files={part: part.stat().st_size for part in log.parts},
-        versions=versions,
+        versions={name: version for name, version in versions.items() if name != CHECKSUM},
         lost=lost_in(summaries.values()),
-        damage=tuple(str(damage) for damage in log.damage),
-        finished=log.parts[-1] in summaries,
+        damage=tuple(dict.fromkeys(str(damage) for damage in log.damage)),
+        rig_problem=rig_problem,
+        ending="" if GOES_ON in last else last.get("ended_because", "it was finished"),
     )
 
 

@@ -31,9 +31,17 @@ class TopicTraffic:
         self.unreadable_example = ""
         self._one_voice = one_voice
         self._next = 0
+        self._published_ns = 0
+        self._known: set[tuple[int, int]] = set()
+
+    def repeats(self, recorded: Recorded) -> bool:
+        """True for a publication that was heard already: later parts of a recording begin with some of the earlier ones."""
+        if self._one_voice:
+            return recorded.sequence < self._next and recorded.publish_time_ns <= self._published_ns
+        return (recorded.publish_time_ns, recorded.sequence) in self._known
 
     def hear(self, recorded: Recorded) -> None:
-        """One publication."""
+        """One publication that does not repeat any."""
         now_ns = recorded.log_time_ns
         if not self.messages:
             self.first_ns = now_ns
@@ -47,6 +55,9 @@ class TopicTraffic:
         self.size_bytes += len(recorded.payload)
         self.last_ns = now_ns
         self._next = recorded.sequence + 1
+        self._published_ns = recorded.publish_time_ns
+        if not self._one_voice:
+            self._known.add((recorded.publish_time_ns, recorded.sequence))
 
     def refuse(self, problem: str) -> None:
         """One that was heard, and could not be read."""
@@ -60,13 +71,12 @@ class TopicTraffic:
         return (self.messages - 1) / span_ns * 1e9 if span_ns else None
 
 
-def hear(traffic: dict[str, TopicTraffic], recorded: Recorded) -> TopicTraffic:
-    """Count one publication of any topic; returns the topic's traffic."""
-    if (known := traffic.get(recorded.topic)) is None:
-        topic = topic_of(recorded.topic)
-        known = traffic[recorded.topic] = TopicTraffic(one_voice=topic is not None and topic.said_by != "all")
-    known.hear(recorded)
-    return known
+def topic_traffic(traffic: dict[str, TopicTraffic], key: str) -> TopicTraffic:
+    """The traffic of this topic, begun when it is heard for the first time."""
+    if key not in traffic:
+        topic = topic_of(key)
+        traffic[key] = TopicTraffic(one_voice=topic is not None and topic.said_by != "all")
+    return traffic[key]
 
 
 def restarts(traffic: Mapping[str, TopicTraffic]) -> list[tuple[int, str]]:

@@ -9,11 +9,11 @@ import msgspec
 import numpy as np
 
 from messaging.shape import NodalPoints, ShapeEstimate
-from nodal.bench_file import CALIBRATION_ATTACHMENT, Bench
+from nodal.bench_file import Bench
 from nodal.errors import ReportError
 from nodal.report.bench_run import BenchRun
 from nodal.report.findings import Findings
-from nodal.report.loading import frame_set, load_run
+from nodal.report.loading import attached_rig, frame_set, load_run
 from nodal.report.open_loop import open_loop_path
 from nodal.report.pictures.estimate import draw_estimate
 from nodal.report.pictures.run import draw_run
@@ -36,7 +36,7 @@ def write_report(folder: Path, recording: Path, bench: Bench) -> Summary:
     log = Log(recording)
     run = load_run(log)
     if not run.rig:
-        raise ReportError(f"{recording}: no {CALIBRATION_ATTACHMENT} is attached")
+        raise ReportError(f"{recording}: {attached_rig(log)[1]}")
     truth = TrueShapes(run.truths)
     circle = true_tracking_of(run, truth, CIRCLE)
     without_feedback = _without_feedback(circle, bench)

@@ -157,9 +157,10 @@ def _facts(source: Source, run: BenchRun) -> list[Content]:
     """Files, versions, what is attached, and what is wrong with them."""
     facts: dict[str, list[str]] = {
         "files": [f"{path.name}, {megabytes(size)}" for path, size in source.files.items()],
-        "ended": ["by the recorder" if source.finished else "cut off"],
+        "ended": [source.ending or "cut off, or its next part is not here"],
         "versions": [f"{name} {version}" for name, version in source.versions.items()],
         "attached": list(source.attached),
+        "calibration": [source.rig_problem] if source.rig_problem else [],
         "lost": [f"{count} of {topic}" for topic, count in source.lost.items()],
         "damage": list(source.damage),
         "unreadable": [

@@ -40,7 +40,7 @@ class RunReport:
     @cached_property
     def verdict(self) -> Verdict:
         """In two sentences."""
-        return verdict(self.findings, self.source.damage, finished=self.source.finished)
+        return verdict(self.findings, self.source.damage, finished=bool(self.source.ending))
 
     def figure(self, chapter: str, group: str, key: str) -> Figure | None:
         """One figure; None when this run has none."""

@@ -20,7 +20,7 @@ ROOT = re.compile(r"<svg .*</svg>", re.DOTALL)
 UNWANTED = re.compile(
     r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>"
     r"| (width|height)=\"[0-9.]+pt\"| xmlns(:xlink)?=\"[^\"]*\"| version=\"1.1\""
-    r"| id=\"[a-z]+[a-z0-9_.]*_[0-9]+\"| ?font-family: [^;\"]*;?",
+    r"| id=\"[A-Za-z0-9_.]+_[0-9]+\"| ?font-family: [^;\"]*;?",
     re.DOTALL,
 )
 """What only a file of its own needs; the page has one font and one set of names."""
@@ -48,7 +48,7 @@ def draw(axes: Any, chart: Chart) -> None:
     _show_bands(axes, chart.bands)
     for series in chart.series:
         _show(axes, thinned(series))
-    if chart.logarithmic:
+    if chart.logarithmic and any((getattr(series, chart.logarithmic) > 0).any() for series in chart.series):
         _make_logarithmic(axes, chart.logarithmic)
     axes.set(title=chart.title, xlabel=chart.x_label, ylabel=chart.y_label)
     if chart.rows:

@@ -9,9 +9,8 @@ import pytest
 from controller.settings import ControllerSettings
 from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.robot.settings import SimulatedRobotSettings, ideal
-from messaging.control import ControllerState, State, TendonCommand
 from messaging.settings import RobotSettings
-from messaging.shape import Flag, ShapeEstimate, Truth
+from messaging.shape import Flag
 from nodal import targets
 from nodal.errors import ReportError
 from nodal.report.bench_run import Accepted, BenchRun, FrameSets
@@ -20,87 +19,13 @@ from nodal.report.summary import CIRCLE, HOLD, summary_of
 from nodal.report.tracking import true_tracking_of
 from nodal.report.truth import TrueShapes
 
-START_NS = 1_700_000_000_000_000_000
-PERIOD_NS = 33_333_333
-ARC_MM = np.linspace(0, 80, 81)
 SETS = 60
 
 
-def line(offset_mm=(0.0, 0.0, 0.0)):
-    return np.column_stack([np.zeros(81), np.zeros(81), ARC_MM]) + offset_mm
-
-
-def truth_at(time_ns):
-    """A straight robot that drifts along x by 10 mm a second."""
-    x_mm = 10 * (time_ns - START_NS) / 1e9
-    return Truth(capture_time_ns=time_ns, arc_mm=ARC_MM, centreline_mm=line((x_mm, 0, 0)), insertion_mm=0.0)
-
-
-def shape(sequence, time_ns, offset_mm=0.0, **changes):
-    points = truth_at(time_ns).centreline_mm + np.array([0, offset_mm, 0])
-    return ShapeEstimate(
-        **{
-            "sequence": sequence,
-            "capture_time_ns": time_ns,
-            "capture_to_publish_ns": 10_000_000,
-            "refusal": "",
-            "flags": (),
-            "arc_mm": ARC_MM,
-            "centreline_mm": points,
-            "node_names": ("middle", "tip"),
-            "node_arc_mm": np.array([40.0, 80.0]),
-            "node_mm": points[[40, 80]],
-            "node_covariance_mm2": np.zeros((2, 3, 3)),
-            "length_mm": 80.0,
-            "insertion_mm": 0.0,
-            "ray_gap_mm": 0.0,
-            "residual_px": 0.0,
-            "stage_names": (),
-            "stage_s": np.zeros(0),
-            **changes,
-        }
-    )
-
-
-def state(sequence, capture_ns, off_mm, target=CIRCLE):
-    desired = truth_at(capture_ns).centreline_mm[80] + np.array([0, 0, off_mm])
-    return ControllerState(
-        time_ns=capture_ns + 15_000_000,
-        state=State.TRACKING,
-        reason="",
-        target_name=target,
-        node_names=("tip",),
-        desired_mm=desired[None],
-        measured_mm=desired[None],
-        tracking_error_mm=0.0,
-        shape_sequence=sequence,
-        shape_age_s=0.015,
-        lateness_s=0.002,
-        busy_s=0.001,
-        overruns=0,
-        now_s=0.0,
-        dt_s=0.005,
-        sighted_capture_ns=0,
-        sighted_age_s=0.0,
-        drive_absence="",
-        commanded=True,
-    )
-
-
-def command(age_ns):
-    return TendonCommand(
-        time_ns=0,
-        displacement_mm=np.zeros(4),
-        insertion_mm=0.0,
-        shape_sequence=0,
-        capture_to_command_ns=age_ns,
-    )
-
-
 @pytest.fixture
-def run():
+def run(said):
     """Estimates 0.2 mm off; the tip 0.5 mm off on the circle, 1 mm off while a hold settles and 0.1 mm off after."""
-    times = [START_NS + index * PERIOD_NS for index in range(SETS)]
+    times = [said.START_NS + index * said.PERIOD_NS for index in range(SETS)]
     frames = FrameSets()
     for index in range(SETS):
         frames.hear("left", index)
@@ -113,15 +38,18 @@ def run():
         rig=default_cameras(),
         losses=3,
         frames=frames,
-        shapes=[shape(index, time, 0.2) for index, time in enumerate(times)],
-        truths=[truth_at(time) for time in range(START_NS - PERIOD_NS, times[-1] + PERIOD_NS, 20_000_000)],
-        states=[
-            *(state(index, times[index], 0.5) for index in range(20)),
-            *(state(index, times[index], 1.0, HOLD) for index in range(20, 39)),
-            *(state(index, times[index], 0.1, HOLD) for index in range(40, 60)),
+        shapes=[said.shape(index, time, 0.2) for index, time in enumerate(times)],
+        truths=[
+            said.truth_at(time)
+            for time in range(said.START_NS - said.PERIOD_NS, times[-1] + said.PERIOD_NS, 20_000_000)
         ],
-        commands=[command(age) for age in (-1, 10_000_000, -1, 20_000_000)],
-        accepted=[Accepted(time_ns=START_NS, target=target) for target in (circle, hold)],
+        states=[
+            *(said.state(index, times[index], 0.5) for index in range(20)),
+            *(said.state(index, times[index], 1.0, HOLD) for index in range(20, 39)),
+            *(said.state(index, times[index], 0.1, HOLD) for index in range(40, 60)),
+        ],
+        commands=[said.command(age) for age in (-1, 10_000_000, -1, 20_000_000)],
+        accepted=[Accepted(time_ns=said.START_NS, target=target) for target in (circle, hold)],
     )
 
 
@@ -144,17 +72,9 @@ def test_the_figures_of_a_run(run):
     }
 
 
-def test_refused_estimates_do_not_count_and_flagged_ones_do(run):
-    empty = {
-        "arc_mm": np.zeros(0),
-        "centreline_mm": np.zeros((0, 3)),
-        "node_names": (),
-        "node_arc_mm": np.zeros(0),
-        "node_mm": np.zeros((0, 3)),
-        "node_covariance_mm2": np.zeros((0, 3, 3)),
-    }
-    run.shapes[7] = shape(7, run.shapes[7].capture_time_ns, refusal="camera left: no robot", **empty)
-    run.shapes[9] = shape(9, run.shapes[9].capture_time_ns, 5.0, flags=(Flag.LARGE_RESIDUAL.value,))
+def test_refused_estimates_do_not_count_and_flagged_ones_do(run, said):
+    run.shapes[7] = said.refused(7, run.shapes[7].capture_time_ns, "camera left: no robot")
+    run.shapes[9] = said.shape(9, run.shapes[9].capture_time_ns, 5.0, flags=(Flag.LARGE_RESIDUAL.value,))
 
     summary = summary_of(run, "demo.mcap", None)
 
@@ -197,11 +117,11 @@ def test_a_run_without_truth_is_refused(run):
         summary_of(run, "demo.mcap", None)
 
 
-def test_only_weighted_points_are_judged(run):
+def test_only_weighted_points_are_judged(run, said):
     target = dataclasses.replace(
         targets.points({"middle": [0, 0, 40], "tip": [0, 0, 80]}, {"middle": 0}), name=CIRCLE
     )
-    run.accepted[:] = [Accepted(time_ns=START_NS, target=target)]
+    run.accepted[:] = [Accepted(time_ns=said.START_NS, target=target)]
     run.states[:] = [
         dataclasses.replace(
             one,
@@ -218,21 +138,25 @@ def test_only_weighted_points_are_judged(run):
     assert tracking.rms_mm() == pytest.approx(0.5)
 
 
-def test_numbers_that_begin_anew_are_told_apart_by_their_time(run):
-    again = run.shapes[-1].capture_time_ns + PERIOD_NS
-    run.shapes.append(shape(0, again))
-    run.truths.append(truth_at(again + PERIOD_NS))
+def test_numbers_that_begin_anew_are_told_apart_by_their_time(run, said):
+    again = run.shapes[-1].capture_time_ns + said.PERIOD_NS
+    run.shapes.append(said.shape(0, again))
+    run.truths.append(said.truth_at(again + said.PERIOD_NS))
 
-    assert run.shape_seen(0, START_NS + PERIOD_NS).capture_time_ns == START_NS
+    assert run.shape_seen(0, said.START_NS + said.PERIOD_NS).capture_time_ns == said.START_NS
     assert run.shape_seen(0, again + 1).capture_time_ns == again
-    assert run.shape_seen(0, START_NS - 1) is None
+    assert run.shape_seen(0, said.START_NS - 1) is None
 
 
-def test_the_truth_is_interpolated_but_not_over_gaps(run):
+def test_the_truth_is_interpolated_but_not_over_gaps(run, said):
     truth = TrueShapes(
-        [truth_at(START_NS), truth_at(START_NS + 100_000_000), truth_at(START_NS + 900_000_000)]
+        [
+            said.truth_at(said.START_NS),
+            said.truth_at(said.START_NS + 100_000_000),
+            said.truth_at(said.START_NS + 900_000_000),
+        ]
     )
-    times = START_NS + np.array([-1, 50_000_000, 500_000_000, 1_000_000_000])
+    times = said.START_NS + np.array([-1, 50_000_000, 500_000_000, 1_000_000_000])
 
     assert truth.covers(times).tolist() == [False, True, False, False]
     assert truth.points_mm(times[1:2], np.array([12.5, 80.0])) == pytest.approx(
