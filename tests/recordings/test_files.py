@@ -15,6 +15,7 @@ from messaging.errors import CodecError
 from messaging.frames import Frame
 from messaging.topics import CAMERA, LOG, SHAPE, TENDON_COMMAND, TOPICS
 from recordings.errors import DamagedRecordingError, DiskFullError, UnknownTopicError, UnreadableError
+from recordings.metadata import sealed
 from recordings.reader import attachments, messages, metadata
 from recordings.records import finished
 from recordings.settings import RecorderSettings
@@ -79,7 +80,7 @@ def test_topics_are_chosen_from_the_table(recorded):
 def test_attachments_and_notes_come_back(recorded):
     path, _ = recorded
     assert attachments(path) == {"bench.toml": b"name = 'bench'"}
-    assert metadata(path) == {"VERSIONS": {"nodal": "0"}}
+    assert metadata(path) == {"VERSIONS": sealed({"nodal": "0"})}
 
 
 def test_mcaps_own_reader_agrees(recorded):
