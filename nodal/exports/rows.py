@@ -2,7 +2,7 @@
 
 A message is a row, but a Target, which is one for each moment of its path. Along the axes of a column stand: for nodal
 points and stages the names that the message itself gives, for places in space x, y and z, for anything else numbers, as
-in `point17` and `servo0`.
+in `point17` and `servo1`, counted from 1.
 """
 
 import dataclasses
@@ -119,7 +119,7 @@ def _array_column(
         elif word == len(AXES):
             labels.append(AXES)
         else:
-            labels.append(tuple(f"{word}{number}" for number in range(size)))
+            labels.append(tuple(f"{word}{number}" for number in range(1, size + 1)))
     return Column(name=field.name, values=values, labels=tuple(labels))
 
 

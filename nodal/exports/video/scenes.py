@@ -14,7 +14,9 @@ SETTLED_NS = 500_000_000
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """One frame set. `shape` is None when it was not estimated, `state` is the controller's newest when none acted on it."""
+    """One frame set. `shape` is None when it was not estimated; `state` is the controller's first that worked with it,
+    or else what the controller did when the set came.
+    """
 
     time_ns: int
     frames: Mapping[str, Frame]
@@ -22,10 +24,16 @@ class Scene:
     state: ControllerState | None
     target: Target | None
 
+    @property
+    def acted_on(self) -> bool:
+        """True when `state` tells of this very estimate."""
+        return bool(self.shape and self.state and self.state.shape_sequence == self.shape.sequence)
+
 
 @dataclasses.dataclass(kw_only=True, eq=False)
 class _Draft:
     logged_ns: int
+    meanwhile: ControllerState | None
     frames: dict[str, Frame] = dataclasses.field(default_factory=dict)
     shape: ShapeEstimate | None = None
     state: ControllerState | None = None
@@ -48,7 +56,7 @@ class Scenes:
         yield from self._settled(logged_ns - SETTLED_NS)
         match message:
             case Frame() as frame:
-                draft = self._drafts.setdefault(sequence, _Draft(logged_ns=logged_ns))
+                draft = self._drafts.setdefault(sequence, _Draft(logged_ns=logged_ns, meanwhile=self._newest))
                 draft.frames[frame.camera] = frame
             case ShapeEstimate() as shape:
                 if shape.sequence in self._drafts:
@@ -71,7 +79,7 @@ class Scenes:
             if until_ns is not None and draft.logged_ns > until_ns:
                 return
             del self._drafts[sequence]
-            state = draft.state or self._newest
+            state = draft.state or draft.meanwhile
             yield Scene(
                 time_ns=min(frame.capture_time_ns for frame in draft.frames.values()),
                 frames=draft.frames,

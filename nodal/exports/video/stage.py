@@ -102,7 +102,8 @@ class Stage:
         if scene.shape and not scene.shape.refusal:
             thick = max(self._text_px // 8, 1)
             _draw_line(shown, panel.places(scene.shape.centreline_mm), CENTRELINE, thick)
-            self._draw_desired(shown, panel, scene.state)
+            if scene.acted_on:
+                self._draw_desired(shown, panel, scene.state)
             places = panel.places(scene.shape.node_mm)
             for name, place in zip(scene.shape.node_names, places, strict=True):
                 _draw_dot(shown, place, 0.28 * self._text_px, NODE)
