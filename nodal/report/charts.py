@@ -53,16 +53,18 @@ class Chart:
     logarithmic: Literal["", "x", "y"] = ""
     equal: bool = False
     bands: tuple[Band, ...] = ()
-    rows: tuple[str, ...] = ()
-    """Names instead of numbers on the y axis."""
+    rows: tuple[str, ...] | None = None
+    """Names instead of numbers on the y axis; they may be none, for bands alone."""
     wide: bool = False
 
     def in_words(self) -> str:
         """For who cannot see it: what is drawn, and between which values it lies."""
-        said = [f"{self.title}. Across: {self.x_label}. Up: {self.y_label or ', '.join(self.rows)}."]
+        said = [
+            f"{self.title}. Across: {self.x_label}. Up: {', '.join(self.rows or ()) or self.y_label or 'nothing'}."
+        ]
         for series in self.series:
             known = series.y[np.isfinite(series.y)]
-            if self.rows:
+            if self.rows is not None:
                 said.append(f"{series.label}: {len(known)}.")
             elif len(known):
                 said.append(

@@ -45,7 +45,7 @@ def _charts(reports: Sequence[RunReport]) -> list[Chart]:
     for report in reports:
         for charts in report.charts.values():
             for chart in charts:
-                if not chart.rows and len(chart.series[0].x):
+                if chart.rows is None and len(chart.series[0].x):
                     found.setdefault(chart.key, {})[report.name] = chart
     return [overlaid(charts) for charts in found.values() if len(charts) > 1]
 

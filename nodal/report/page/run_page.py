@@ -1,8 +1,9 @@
 """The page of one run, section by section."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
+from messaging.control import State
 from nodal.report.bench_run import BenchRun
 from nodal.report.charts import Chart
 from nodal.report.page import events
@@ -33,6 +34,14 @@ TITLES = {
     Level.BAD: "Something went wrong",
 }
 
+STATES = {str(state): f"var(--state-{state})" for state in State if state is not State.IDLE}
+MARKS = {
+    "centreline as estimated": "#45b8ff",
+    "nodal points as estimated": "#ff5470",
+    "where they should have been": "#ffd84d",
+}
+"""Colours behind curves and over pictures; style.css has the same."""
+
 
 def run_sections(report: RunReport, anchor: str) -> list[Element]:
     """What follows the heading; `anchor` begins every name that links lead to."""
@@ -52,7 +61,12 @@ def run_sections(report: RunReport, anchor: str) -> list[Element]:
         (
             "happened",
             "What happened",
-            [chapter("what-happened"), events.interruptions(findings), chapter("states", titled=True)],
+            [
+                chapter("what-happened"),
+                _key(STATES) if findings.stretches else None,
+                events.interruptions(findings),
+                chapter("states", titled=True),
+            ],
         ),
         ("tracking", "Tracking", chapter("tracking")),
         ("pictures", "Pictures", _pictures(report)),
@@ -138,19 +152,19 @@ def _pictures(report: RunReport) -> list[Content]:
     pictures = moment_pictures(report.log, report.findings)
     if not pictures:
         return []
-    marks = (
-        ("#45b8ff", "centreline as estimated"),
-        ("#ff5470", "nodal points as estimated"),
-        ("#ffd84d", "where they should have been"),
-    )
-    return [
-        element(
-            "p",
-            ([element("span", words, class_="key", style=f"--key:{colour}"), " "] for colour, words in marks),
-            class_="keys",
+    return [_key(MARKS), element("div", pictures, class_="moments")]
+
+
+def _key(colours: Mapping[str, str]) -> Element:
+    """What colours mean."""
+    return element(
+        "p",
+        (
+            [element("span", words, class_="key", style=f"--key:{colour}"), " "]
+            for words, colour in colours.items()
         ),
-        element("div", pictures, class_="moments"),
-    ]
+        class_="keys",
+    )
 
 
 def _facts(source: Source, run: BenchRun) -> list[Content]:

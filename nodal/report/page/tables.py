@@ -48,7 +48,7 @@ def _table(chapter: Chapter, groups: list[Group]) -> Element:
         )
     return table(
         chapter.title,
-        [chapter.title, *(figure.label for figure in groups[0].figures)],
+        ["", *(figure.label for figure in groups[0].figures)],
         ((group.title, *(shown(figure) for figure in group.figures)) for group in groups),
         class_="figures",
     )

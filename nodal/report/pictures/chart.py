@@ -12,7 +12,7 @@ from nodal.report.charts import Band, Chart, Series, thinned
 from nodal.report.pictures.style import FAINT, INK, PAGE_COLOURS, PALETTE, STATES, drawing
 
 WIDE_IN, NARROW_IN, HIGH_IN = 9.4, 4.6, 2.9
-ROW_IN = 0.26
+LOW_IN, ROW_IN = 1.1, 0.26
 FEW_DECADES = 10**2.5
 ROOM_FOR_A_NAME = 0.05
 
@@ -31,7 +31,9 @@ def as_svg(chart: Chart, salt: str) -> str:
 
     Names inside it differ from those of any picture with another salt.
     """
-    height = NARROW_IN if chart.equal else 1.1 + ROW_IN * len(chart.rows) if chart.rows else HIGH_IN
+    height = NARROW_IN if chart.equal else HIGH_IN
+    if chart.rows is not None:
+        height = LOW_IN + ROW_IN * len(chart.rows)
     with drawing(WIDE_IN if chart.wide else NARROW_IN, height, salt) as figure:
         draw(figure.subplots(), dataclasses.replace(chart, title=""))
         text = io.StringIO()
@@ -51,7 +53,7 @@ def draw(axes: Any, chart: Chart) -> None:
     if chart.logarithmic and any((getattr(series, chart.logarithmic) > 0).any() for series in chart.series):
         _make_logarithmic(axes, chart.logarithmic)
     axes.set(title=chart.title, xlabel=chart.x_label, ylabel=chart.y_label)
-    if chart.rows:
+    if chart.rows is not None:
         axes.set_yticks(range(len(chart.rows)), chart.rows)
         axes.set_ylim(-0.7, len(chart.rows) + 0.3)
         axes.grid(visible=False, axis="y")
@@ -106,9 +108,10 @@ def _show_bands(axes: Any, bands: tuple[Band, ...]) -> None:
     if not bands:
         return
     whole_s = bands[-1].end_s - bands[0].begin_s
-    for band in bands:
+    for before, band in zip((None, *bands), bands, strict=False):
         axes.axvspan(band.begin_s, band.end_s, color=STATES.get(band.state, FAINT), alpha=0.35, linewidth=0)
-        axes.axvline(band.begin_s, color=FAINT, linewidth=0.5)
+        if before is not None and before.state == band.state:
+            axes.axvline(band.begin_s, color=FAINT, linewidth=0.5)
         if band.end_s - band.begin_s > ROOM_FOR_A_NAME * whole_s:
             axes.text(
                 (band.begin_s + band.end_s) / 2,
