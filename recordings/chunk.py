@@ -27,7 +27,7 @@ class Packing:
 
 @dataclass
 class Chunk:
-    """Messages in order of their log time (Unix ns), and the records that describe them."""
+    """Messages, the log times (Unix ns) that they lie between, and the records that describe them."""
 
     size: int = 0
     count: int = 0
@@ -43,9 +43,8 @@ class Chunk:
 
     def message(self, channel_id: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
         """Append a message."""
-        if not self.count:
-            self.first_ns = log_ns
-        self.last_ns = log_ns
+        self.first_ns = min(log_ns, self.first_ns) if self.count else log_ns
+        self.last_ns = max(log_ns, self.last_ns)
         self.count += 1
         self._entries[channel_id] += (log_ns, self.size)
         length = MESSAGE.size + len(data)

@@ -86,7 +86,7 @@ class McapFile:
         return number
 
     def message(self, channel_id: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
-        """Append a message; log times must not decrease."""
+        """Append a message."""
         self._chunk.message(channel_id, sequence, log_ns, publish_ns, data)
         if self._chunk.size >= self._chunk_bytes:
             self.end_chunk()
@@ -168,8 +168,8 @@ class McapFile:
             channel_message_counts=self._counts,
             chunk_count=len(self._chunks),
             message_count=self._counts.total(),
-            message_end_time=self._chunks[-1].message_end_time if self._chunks else 0,
-            message_start_time=self._chunks[0].message_start_time if self._chunks else 0,
+            message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )

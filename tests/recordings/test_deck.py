@@ -2,7 +2,10 @@
 
 import os
 import re
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
@@ -111,6 +114,23 @@ def test_parts_follow_one_another_and_lose_nothing(tmp_path, path):
         assert first.publish_time_ns < first.log_time_ns
     assert next(messages(files[0])).sequence == 0
     assert next(messages(files[-1])).sequence == 1
+
+
+def test_reruns_own_reader_finds_nothing_wrong_with_a_part(tmp_path, path):
+    bench = Bench(tmp_path, rotate_bytes=50_000, flush_period_s=0.001)
+    bench.hear(3, TARGET, b"")
+    bench.deck.start(path, bench.now_ns, "the test asks")
+    bench.hear(100)
+    bench.stop()
+    for part in parts(path)[:2]:
+        checked = subprocess.run(
+            [Path(sys.executable).with_name("rerun"), "mcap", "check", part],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        status = [line.split()[:1] for line in checked.stdout.splitlines() if line.endswith("—")]
+        assert status == [["ok"]] * 2
 
 
 def test_parts_follow_by_time_too(tmp_path, path):
