@@ -92,10 +92,9 @@ def _fill(page: Any, figure: Figure) -> None:
 
 def _make_room_above(axes: Any) -> None:
     """For the names of the bands, which stand inside."""
-    inside = axes.transData + axes.transAxes.inverted()
-    # a factor rather than a distance where the scale is logarithmic
-    top = inside.inverted().transform((0, 1 + ROOM_ABOVE))[1]
-    axes.set_ylim(top=top)
+    scale = axes.yaxis.get_transform()
+    low, high = scale.transform(axes.get_ylim())
+    axes.set_ylim(top=scale.inverted().transform(high + ROOM_ABOVE * (high - low)))
 
 
 def _draw_path(page: Any, findings: Findings) -> None:
@@ -113,7 +112,7 @@ def _draw_path(page: Any, findings: Findings) -> None:
     in_space.set_title("In space")
     for axis in (in_space.xaxis, in_space.yaxis):
         axis.get_major_locator().set_params(nbins=4)
-    in_space.set_box_aspect((1, 1, 1), zoom=1.1)
+    in_space.set_box_aspect((1, 1, 1), zoom=0.95)
     for label, (places, colour, style) in lines.items():
         in_space.plot(*places.T, style, color=colour, label=label)
     for position, (title, across, up) in zip((grid[0, 1], grid[1, 0], grid[1, 1]), PLANES, strict=True):
