@@ -93,6 +93,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
         carried.recall(part.before)
     found = Comparison()
     last: FrameSetRecord | None = None
+    named_since_ns = 0 if part.before is None else part.before.time_ns
     for record, jpegs in pictured(Log(part.path), part.sets, tuple(bench.settings.cameras)):
         if record.publication == 0:
             carried.begin()
@@ -100,7 +101,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
             carried.unknown = "an estimate between the memory and it is missing from the log"
         if jpegs is None:
             carried.unknown = "a frame is missing from the log"
-        carried.points = _named_by(part.named, last, record) or carried.points
+        carried.points = _named(part.named, named_since_ns, record.publish_time_ns) or carried.points
         if carried.unknown or jpegs is None or record.estimate is None:
             found += skipped(KEY, carried.unknown)
         else:
@@ -114,7 +115,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
                 found += compared_bytes(MEMORY_KEY, record.capture_time_ns, logged.content, mine)
             if mine != logged.content:
                 carried.recall(logged)
-        last = record
+        last, named_since_ns = record, record.publish_time_ns
     return found
 
 
@@ -128,10 +129,13 @@ def imagine(
     scene = scene_of(bench)
     carried = _Carried(bench, scene)
     carried.begin()
-    last: FrameSetRecord | None = None
+    named_since_ns = 0
     for record, jpegs in pictured(Log(part.path), part.sets, tuple(bench.settings.cameras)):
-        carried.points = points or _named_by(part.named, last, record) or carried.points
-        last = record
+        if record.publication == 0:
+            carried.begin()
+        named = _named(part.named, named_since_ns, record.publish_time_ns)
+        carried.points = points or named or carried.points
+        named_since_ns = record.publish_time_ns
         if jpegs is not None:
             clocks = replace(STILL, age_ns=partial(int, record.age_ns))
             inputs = inputs_of(record, jpegs, carried.points)
@@ -151,10 +155,7 @@ def inputs_of(record: FrameSetRecord, jpegs: Mapping[str, bytes], points: NodalP
     )
 
 
-def _named_by(
-    named: Sequence[tuple[int, NodalPoints]], last: FrameSetRecord | None, record: FrameSetRecord
-) -> NodalPoints | None:
-    """The nodal points that an operator named between two estimates; the memory knows those named before."""
-    since_ns = 0 if last is None else last.publish_time_ns
-    between = [points for time_ns, points in named if since_ns < time_ns < record.publish_time_ns]
+def _named(named: Sequence[tuple[int, NodalPoints]], since_ns: int, until_ns: int) -> NodalPoints | None:
+    """The nodal points that an operator named last between these publish times, if any."""
+    between = [points for time_ns, points in named if since_ns < time_ns < until_ns]
     return between[-1] if between else None
