@@ -172,6 +172,16 @@ def bus(zenoh_settings):
         yield session, listener
 
 
+@pytest.fixture
+def stop():
+    """What ends a replay; set by itself in the end, so that no test goes on for ever."""
+    event = threading.Event()
+    timer = threading.Timer(20, event.set)
+    timer.start()
+    yield event
+    timer.cancel()
+
+
 def playing(path, **changes):
     values = {
         "log": Log(path),
@@ -199,11 +209,13 @@ def met(session, listener, eventually):
     return ring
 
 
-def test_bytes_numbers_and_spacing_are_those_of_the_recording_and_ages_are_fresh(bus, recording, eventually):
+def test_bytes_numbers_and_spacing_are_those_of_the_recording_and_ages_are_fresh(
+    bus, recording, stop, eventually
+):
     session, listener = bus
     ring = met(session, listener, eventually)
     before_ns = time.time_ns()
-    played = play(playing(recording), session, lambda: None, threading.Event(), lambda _: None)
+    played = play(playing(recording), session, lambda: None, stop, lambda _: None)
     received = []
     eventually(lambda: received.extend(heard(ring)) or len(received) == len(NUMBERS))
 
@@ -226,9 +238,9 @@ def test_bytes_numbers_and_spacing_are_those_of_the_recording_and_ages_are_fresh
     assert played.late_p50_ms <= played.late_p99_ms <= played.late_most_ms
 
 
-def test_twice_the_speed_takes_half_the_time(bus, recording):
+def test_twice_the_speed_takes_half_the_time(bus, recording, stop):
     session, _ = bus
-    quiet = (session, lambda: None, threading.Event(), lambda _: None)
+    quiet = (session, lambda: None, stop, lambda _: None)
     slow = play(playing(recording, speed=0.5), *quiet)
     fast = play(playing(recording, speed=4.0), *quiet)
     # 8 to 1, were it not for starting up and for the machine
@@ -236,11 +248,10 @@ def test_twice_the_speed_takes_half_the_time(bus, recording):
     assert slow.messages == fast.messages
 
 
-def test_a_loop_goes_on_until_it_is_stopped(bus, recording, eventually):
+def test_a_loop_goes_on_until_it_is_stopped(bus, recording, stop, eventually):
     session, listener = bus
     ring = met(session, listener, eventually)
-    stop, rounds = threading.Event(), 3
-    received = []
+    rounds, received = 3, []
 
     def look(_):
         received.extend(heard(ring))
@@ -252,25 +263,23 @@ def test_a_loop_goes_on_until_it_is_stopped(bus, recording, eventually):
     assert played.messages["truth"] >= rounds * len(NUMBERS)
 
 
-def test_a_stretch_is_all_that_is_said(bus, recording):
+def test_a_stretch_is_all_that_is_said(bus, recording, stop):
     session, _ = bus
     span = Span(beginning_ns=START_NS, start_ns=START_NS + 150 * MS, end_ns=START_NS + 300 * MS)
     inside = list(Log(recording).messages((topics.TRUTH,), span.start_ns, span.end_ns))
-    played = play(
-        playing(recording, span=span, speed=10), session, lambda: None, threading.Event(), lambda _: None
-    )
+    played = play(playing(recording, span=span, speed=10), session, lambda: None, stop, lambda _: None)
     assert 0 < len(inside) < len(NUMBERS)
     assert played.messages == {"truth": len(inside)}
 
 
-def test_nothing_to_say_is_an_error(bus, recording):
+def test_nothing_to_say_is_an_error(bus, recording, stop):
     session, _ = bus
     with pytest.raises(ReplayError, match="holds none of these in that stretch: shape"):
         play(
             playing(recording, topics=(topics.SHAPE,)),
             session,
             lambda: None,
-            threading.Event(),
+            stop,
             lambda _: None,
         )
 
@@ -319,7 +328,7 @@ def test_who_may_be_alive_is_left_alone(bus, zenoh_settings, eventually, alive, 
         careful.check()
 
 
-def test_who_comes_later_ends_the_replay(bus, recording, zenoh_settings):
+def test_who_comes_later_ends_the_replay(bus, recording, stop, zenoh_settings):
     session, _ = bus
     careful = guard(session, ("sensing", "simulation"))
     careful.meet("here", threading.Event())
@@ -330,7 +339,7 @@ def test_who_comes_later_ends_the_replay(bus, recording, zenoh_settings):
                 later.enter_context(open_session(zenoh_settings, "simulated", "sensing"))
 
         with pytest.raises(ReplayError, match="sensing is alive"):
-            play(playing(recording, loop=True), session, careful.check, threading.Event(), start_sensing)
+            play(playing(recording, loop=True), session, careful.check, stop, start_sensing)
 
 
 def test_without_a_rendezvous_nobody_hears_and_that_is_said(zenoh_settings, monkeypatch):
