@@ -6,7 +6,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 from google.protobuf.message import Message as ProtobufMessage
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap_protobuf.schema import build_file_descriptor_set
