@@ -54,6 +54,8 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
     """What was said: publications by topic, how long that took, and how late they were."""
 
     messages: dict[str, int]
+    left_out: dict[str, str]
+    """Topics of another version, whose bytes would mislead whoever hears them, with the reason."""
     duration_s: float
     late_p50_ms: float
     late_p99_ms: float
@@ -89,6 +91,8 @@ def replay_live(arguments: argparse.Namespace) -> int:
         )
         guard.meet(bench.zenoh.rendezvous, stop)
         played = play(playing, session, guard.check, stop, _Telling() if sys.stderr.isatty() else _silent)
+    for key, reason in played.left_out.items():
+        print(f"nodal: left out: {key}: {reason}", file=sys.stderr)
     for damage in dict.fromkeys(map(str, log.damage)):
         print(f"nodal: damaged: {damage}", file=sys.stderr)
     print(msgspec.json.format(msgspec.json.encode(played)).decode() if arguments.json else played)
@@ -118,14 +122,15 @@ def play(
             if stop.is_set():
                 break
             check()
-            voices.say(recorded)
-            said[recorded.topic] += 1
+            if voices.say(recorded):
+                said[recorded.topic] += 1
             tell(due_ns / 1e9)
     if pace is None:
         keys = ", ".join(topic.key for topic in playing.topics)
         raise ReplayError(f"{playing.log.path} holds none of these in that stretch: {keys}")
     return Played(
         messages=dict(sorted(said.items())),
+        left_out=voices.left_out,
         duration_s=time.monotonic() - start_s,
         late_p50_ms=pace.lateness.quantile_ms(0.5),
         late_p99_ms=pace.lateness.quantile_ms(0.99),
@@ -139,25 +144,33 @@ class _Voices:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._publishers: dict[str, tuple[Publisher[Message], int]] = {}
+        self.left_out: dict[str, str] = {}
 
-    def say(self, recorded: Recorded) -> None:
+    def say(self, recorded: Recorded) -> bool:
+        """Send it with its own number; False when it is left out."""
         publisher, last = self._publishers.get(recorded.topic, (None, -1))
         if publisher is None or recorded.sequence <= last:
-            publisher = self._session.publisher(_topic(recorded))
-        self._publishers[recorded.topic] = publisher, publisher.put_bytes(recorded.payload, recorded.sequence)
+            if why_not := _misfit(recorded):
+                self.left_out[recorded.topic] = why_not
+                return False
+            publisher = self._session.publisher(_topic(recorded.topic))
+        number = publisher.put_bytes(recorded.payload, recorded.sequence)
+        self._publishers[recorded.topic] = publisher, number
+        return True
 
 
-def _topic(recorded: Recorded) -> Topic:
-    topic = topic_of(recorded.topic)
+def _misfit(recorded: Recorded) -> str:
+    expected = _topic(recorded.topic).type.protobuf.DESCRIPTOR.full_name
+    return (
+        "" if recorded.schema == expected else f"it holds {recorded.schema}, and {expected} in this version"
+    )
+
+
+def _topic(key: str) -> Topic:
+    topic = topic_of(key)
     if topic is None:
-        raise ReplayError(f"{recorded.path}: this version knows no topic {recorded.topic!r}")
-    expected = topic.type.protobuf.DESCRIPTOR.full_name
-    if recorded.schema != expected:
-        raise ReplayError(
-            f"{recorded.path}: {recorded.topic} holds {recorded.schema}, and this version's {expected} is something "
-            "else; leave it out of --topics"
-        )
-    return dataclasses.replace(topic, key=recorded.topic)
+        raise ReplayError(f"this version knows no topic {key!r}")
+    return dataclasses.replace(topic, key=key)
 
 
 def _bench(config: str | None, log: Log) -> BenchSettings:

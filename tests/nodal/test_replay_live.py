@@ -17,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from messaging import topics
+from messaging.control import TendonState
 from messaging.session import open_rendezvous, open_session
 from messaging.shape import Truth
 from nodal.__main__ import main
@@ -270,6 +271,20 @@ def test_a_stretch_is_all_that_is_said(bus, recording, stop):
     played = play(playing(recording, span=span, speed=10), session, lambda: None, stop, lambda _: None)
     assert 0 < len(inside) < len(NUMBERS)
     assert played.messages == {"truth": len(inside)}
+
+
+def test_bytes_of_another_version_are_left_out_and_that_is_said(bus, tmp_path, stop):
+    session, _ = bus
+    path = tmp_path / "other.mcap"
+    with RecordingWriter(path, RecorderSettings()) as writing:
+        for topic, kind in ((topics.TRUTH, Truth), (topics.SHAPE, TendonState)):
+            writing.write(
+                topic.key, kind.protobuf, b"", sequence=0, publish_time_ns=START_NS, log_time_ns=START_NS
+            )
+    both = playing(path, topics=(topics.TRUTH, topics.SHAPE))
+    played = play(both, session, lambda: None, stop, lambda _: None)
+    assert played.messages == {"truth": 1}
+    assert played.left_out == {"shape": "it holds nodal.TendonState, and nodal.ShapeEstimate in this version"}
 
 
 def test_nothing_to_say_is_an_error(bus, recording, stop):
