@@ -1,5 +1,6 @@
 """Which topics a user means by their keys. Pure."""
 
+import dataclasses
 from collections.abc import Sequence
 
 from messaging.topics import TOPICS, Topic
@@ -18,13 +19,11 @@ def chosen(keys: Sequence[str]) -> list[Topic]:
 
 
 def _chosen(key: str) -> Topic:
-    topic = next((topic for topic in TOPICS if topic.key == key), None)
-    if topic is None and (known := topic_of(key)) is not None:
-        topic = known.named(key.rpartition("/")[2]) if known.key.endswith("*") else known
+    known = next((topic for topic in TOPICS if topic.key == key), None) or topic_of(key)
     tabular = ", ".join(topic.key for topic in TABULAR)
-    if topic is None:
+    if known is None:
         raise CommandError(f"--topics {key}: there is no such topic; tables are made of {tabular}")
-    if topic.type not in {tabular.type for tabular in TABULAR}:
-        what = "is drawn by viewers" if issubclass(topic.type, View) else "is not recorded"
+    if known not in TABULAR:
+        what = "is drawn by viewers" if issubclass(known.type, View) else "is not recorded"
         raise CommandError(f"--topics {key}: it {what}; tables are made of {tabular}")
-    return topic
+    return dataclasses.replace(known, key=key)

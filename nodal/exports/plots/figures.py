@@ -33,7 +33,9 @@ def figures(findings: Findings) -> tuple[Figure, ...]:
     """Every figure; one without rows has nothing to show."""
     report = {chart.key: chart for chapter in run_charts(findings).values() for chart in chapter}
     own = {chart.key: chart for chart in (*_coordinates(findings), _travel(findings), _latency(findings))}
-    charts = {key: chart for key, chart in (report | own).items() if chart.series}
+    charts = {
+        key: chart for key, chart in (report | own).items() if any(len(series.x) for series in chart.series)
+    }
 
     def rows(*keys: tuple[str, ...]) -> Rows:
         found = (tuple(charts[key] for key in row if key in charts) for row in keys)
