@@ -22,11 +22,15 @@ def layout(cameras: list[str]) -> blueprint.Blueprint:
         entity: rerun.Points3D.from_fields(radii=MILLIMETRE * RADII[entity.rpartition("/")[2]])
         for entity in shape + targets
     }
+    frustums = {
+        f"/camera/{camera}/calibration": rerun.Pinhole.from_fields(image_plane_distance=60 * MILLIMETRE)
+        for camera in cameras
+    }
     in_space = blueprint.Spatial3DView(
         name="robot",
         origin="/",
-        overrides=sizes,
-        eye_controls=blueprint.EyeControls3D(position=(0.08, -0.24, 0.12), look_target=(0, 0, 0.05)),
+        overrides=sizes | frustums,
+        eye_controls=blueprint.EyeControls3D(position=(0.13, 0.16, 0.13), look_target=(0, -0.07, 0.03)),
     )
     pictures = [
         blueprint.Spatial2DView(

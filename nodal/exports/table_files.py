@@ -10,7 +10,7 @@ import numpy as np
 from messaging.errors import NodalError
 from nodal.exports.columns import Array
 from nodal.exports.output import new_file, new_folder
-from nodal.exports.tables import Table
+from nodal.exports.tables import BLOCK, Table
 
 
 def write_csv(tables: Sequence[Table], path: Path) -> list[str]:
@@ -21,7 +21,11 @@ def write_csv(tables: Sequence[Table], path: Path) -> list[str]:
                 columns = flat(table)
                 writer = csv.writer(file, lineterminator="\n")
                 writer.writerow(columns)
-                writer.writerows(zip(*(_cells(values) for values in columns.values()), strict=True))
+                for begin in range(0, table.rows, BLOCK):
+                    block = slice(begin, begin + BLOCK)
+                    writer.writerows(
+                        zip(*(_cells(values[block]) for values in columns.values()), strict=True)
+                    )
     return _told(tables, path, ".csv")
 
 

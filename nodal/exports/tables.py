@@ -16,7 +16,7 @@ from nodal.report.traffic import TopicTraffic, topic_traffic
 from recordings.reader import Recorded
 
 BLOCK = 1000
-"""Messages that are put into arrays at once: a long recording's messages as objects would not fit into memory."""
+"""Messages that are turned into arrays at once: a long recording's as objects would not fit into memory."""
 
 TABULAR = tuple(topic for topic in TOPICS if topic.logged and not issubclass(topic.type, View)) + tuple(
     topic for topic in TOPICS if topic.type is LogLine

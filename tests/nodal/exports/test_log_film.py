@@ -6,8 +6,11 @@ import pytest
 
 from messaging.control import State
 from nodal.exports.video.captions import Tone, caption
+from nodal.exports.video.film import scenes_of
 from nodal.exports.video.scenes import SETTLED_NS, Scenes
 from nodal.exports.video.stage import CENTRELINE, DESIRED, NODE, Stage
+from nodal.log.spans import Span
+from recordings import Log
 
 
 def scenes_heard(*heard):
@@ -183,5 +186,10 @@ def test_one_camera_and_a_stretch_of_time(nodal, recording, tmp_path):
     with av.open(str(out)) as film:
         pictures = [frame.to_ndarray(format="bgr24") for frame in film.decode(video=0)]
     assert len(pictures) == 10
-    # a stretch that begins after the target was accepted knows the target all the same
     assert pictures[0].shape[1] == 480
+
+
+def test_a_stretch_knows_the_target_that_was_accepted_before_it(recording, made):
+    begin_ns = made.capture_ns(10)
+    span = Span(beginning_ns=made.start_ns, start_ns=begin_ns, end_ns=begin_ns + 150_000_000)
+    assert [scene.target.name for scene in scenes_of(Log(recording), span)] == ["rise"] * 3

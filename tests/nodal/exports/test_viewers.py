@@ -166,6 +166,16 @@ def test_rerun_has_the_points_in_metres(converted, made):
     assert np.array(first) == pytest.approx(made.shape_of(0).node_mm / 1000, abs=1e-6)
 
 
+def test_rerun_tells_the_clouds_apart_by_their_colours(converted):
+    colours = {
+        entity: tuple(parts["Points3D:colors"])
+        for entity, parts in converted.items()
+        if "Points3D:colors" in parts
+    }
+    assert len(colours) == len({whole[0] for whole in colours.values()}) == 4
+    assert all(len(set(whole)) == 1 for whole in colours.values())
+
+
 def test_rerun_finds_nothing_wrong_with_the_file(rerun, recording):
     answer = rerun("mcap", "check", str(recording))
     assert answer.returncode == 0, answer.stdout + answer.stderr
