@@ -11,7 +11,7 @@ from messaging.session import open_rendezvous
 from nodal.__main__ import main
 from nodal.bench_file import load_bench
 from nodal.toml_file import written
-from recordings.records import finished
+from recordings.source import finished
 
 
 @pytest.fixture

@@ -16,10 +16,10 @@ from recordings import deck as deck_module
 from recordings.backlog import Backlog, Heard
 from recordings.deck import Deck
 from recordings.errors import DiskFullError, RecordingExistsError, UnwritableError
+from recordings.file_reader import FileReader
 from recordings.parts import parts
-from recordings.reader import attachments, messages, metadata
-from recordings.records import finished
 from recordings.settings import RecorderSettings
+from recordings.source import finished
 
 SECOND_NS = 1_000_000_000
 START_NS = 1_700_000_000 * SECOND_NS
@@ -71,7 +71,7 @@ def path(tmp_path):
 
 def fresh(part):
     """The messages of a part without those that repeat an earlier one's."""
-    return list(messages(part))[int(metadata(part)["PART"]["repeated"]) :]
+    return list(FileReader(part).messages())[int(FileReader(part).metadata()["PART"]["repeated"]) :]
 
 
 def commands(path):
@@ -79,7 +79,7 @@ def commands(path):
 
 
 def lines(path):
-    return [one.message.wire.message for part in parts(path) for one in messages(part, [LOG])]
+    return [one.message.wire.message for part in parts(path) for one in FileReader(part).messages([LOG])]
 
 
 def test_parts_follow_one_another_and_lose_nothing(tmp_path, path):
@@ -98,8 +98,8 @@ def test_parts_follow_one_another_and_lose_nothing(tmp_path, path):
     assert summary.size_bytes == sum(file.stat().st_size for file in files)
     for number, part in enumerate(files, 1):
         assert finished(part)
-        assert attachments(part) == ATTACHED
-        notes = metadata(part)
+        assert FileReader(part).attachments() == ATTACHED
+        notes = FileReader(part).metadata()
         assert "eclipse-zenoh" in notes["VERSIONS"]
         assert (notes["PART"]["number"], notes["PART"]["recording"]) == (str(number), "a.mcap")
         assert notes["SUMMARY"].get("goes_on_in") == (files[number].name if number < len(files) else None)
@@ -108,12 +108,12 @@ def test_parts_follow_one_another_and_lose_nothing(tmp_path, path):
             reader = make_reader(file, validate_crcs=True)
             counted = len(list(reader.iter_messages()))
             assert reader.get_summary().statistics.message_count == counted
-        first = next(messages(part))
+        first = next(FileReader(part).messages())
         assert first.topic == TARGET.key
         assert first.payload == (b"" if first.sequence == 0 else b"\x0a\x05newer")
         assert first.publish_time_ns < first.log_time_ns
-    assert next(messages(files[0])).sequence == 0
-    assert next(messages(files[-1])).sequence == 1
+    assert next(FileReader(files[0]).messages()).sequence == 0
+    assert next(FileReader(files[-1]).messages()).sequence == 1
 
 
 def test_reruns_own_reader_finds_nothing_wrong_with_a_part(tmp_path, path):
@@ -140,7 +140,7 @@ def test_parts_follow_by_time_too(tmp_path, path):
     bench.stop()
     assert len(parts(path)) == 4
     assert commands(path) == list(range(3500))
-    durations = [float(metadata(part)["SUMMARY"]["duration_s"]) for part in parts(path)]
+    durations = [float(FileReader(part).metadata()["SUMMARY"]["duration_s"]) for part in parts(path)]
     assert all(1 <= duration <= 1.2 for duration in durations[:-1])
 
 
@@ -152,7 +152,7 @@ def test_a_gap_across_two_parts_is_counted_once(tmp_path, path):
     bench.hear(50)
     summary = bench.stop()
     assert summary.lost == {TENDON_COMMAND.key: 7}
-    told = [metadata(part)["SUMMARY"].get(f"lost/{TENDON_COMMAND.key}") for part in parts(path)]
+    told = [FileReader(part).metadata()["SUMMARY"].get(f"lost/{TENDON_COMMAND.key}") for part in parts(path)]
     assert [one for one in told if one] == ["7"]
     assert [line for line in lines(path) if "lost" in line] == [
         "recording: tendon/command: 7 lost (sequence 50 to 56)"
@@ -167,8 +167,8 @@ def test_a_next_part_that_cannot_be_does_not_end_the_recording(tmp_path, path):
     bench.hear(90)
     bench.stop()
     assert (tmp_path / "a.part2.mcap").read_bytes() == b"somebody else's"
-    assert [one.sequence for one in messages(path, [TENDON_COMMAND])] == list(range(100))
-    told = [one.message.wire.message for one in messages(path, [LOG])]
+    assert [one.sequence for one in FileReader(path).messages([TENDON_COMMAND])] == list(range(100))
+    told = [one.message.wire.message for one in FileReader(path).messages([LOG])]
     assert len([line for line in told if "there can be no next" in line]) == 1
 
 
@@ -187,7 +187,7 @@ def test_below_the_bound_of_free_space_the_recording_ends_in_good_order(tmp_path
     )
     assert bench.deck.closed(30)
     assert finished(path)
-    assert "only 400.0 MB is left" in metadata(path)["SUMMARY"]["ended_because"]
+    assert "only 400.0 MB is left" in FileReader(path).metadata()["SUMMARY"]["ended_because"]
     assert any("only 400.0 MB is left" in line for line in lines(path))
     assert len(commands(path)) >= 50
     with pytest.raises(DiskFullError, match="least_free_bytes"):
@@ -198,12 +198,11 @@ def test_below_the_bound_of_free_space_the_recording_ends_in_good_order(tmp_path
     assert bench.deck.state == "recording"
 
 
-def test_a_full_disk_ends_the_recording_and_says_what_it_cost(tmp_path, path, small_disk):
+def test_a_full_disk_ends_the_recording_and_says_what_it_cost(tmp_path, path, small_disk, eventually):
     bench = Bench(tmp_path)
     bench.deck.start(path, bench.now_ns, "")
     with small_disk(50_000):
-        while bench.deck.state == "recording":
-            bench.hear()
+        eventually(lambda: bench.hear() or bench.deck.state == "waiting")
     said = bench.next
     kept = commands(path)
     assert kept == list(range(len(kept)))
@@ -214,7 +213,7 @@ def test_a_full_disk_ends_the_recording_and_says_what_it_cost(tmp_path, path, sm
     assert bench.deck.state == "recording"
 
 
-def test_a_deleted_folder_is_made_again_and_the_recording_goes_on(tmp_path):
+def test_a_deleted_folder_is_made_again_and_the_recording_goes_on(tmp_path, eventually):
     path = tmp_path / "folder" / "a.mcap"
     path.parent.mkdir()
     bench = Bench(tmp_path, flush_period_s=0.01)
@@ -223,16 +222,15 @@ def test_a_deleted_folder_is_made_again_and_the_recording_goes_on(tmp_path):
     bench.hear(30)
     path.unlink()
     path.parent.rmdir()
-    while not path.exists():
-        bench.hear()
+    eventually(lambda: bench.hear() or path.exists())
     bench.hear(30)
     bench.stop()
     kept = commands(path)
     assert kept[-1] == bench.next - 1
     assert kept == list(range(kept[0], bench.next))
-    assert "it was deleted after" in metadata(path)["PART"]["because"]
+    assert "it was deleted after" in FileReader(path).metadata()["PART"]["because"]
     assert any("it was deleted after" in line and "publications are lost" in line for line in lines(path))
-    assert next(messages(path)).topic == TARGET.key
+    assert next(FileReader(path).messages()).topic == TARGET.key
 
 
 def test_what_cannot_be_begun_is_refused_and_changes_nothing(tmp_path, path):
@@ -257,10 +255,10 @@ def test_the_last_seconds_are_saved_with_those_that_follow(tmp_path, path):
     assert bench.deck.state == "waiting"
     assert bench.deck.closed(30)
     assert commands(path) == list(range(2999, 6000))
-    assert next(messages(path)).topic == TARGET.key
-    times = [one.log_time_ns for one in messages(path)]
+    assert next(FileReader(path).messages()).topic == TARGET.key
+    times = [one.log_time_ns for one in FileReader(path).messages()]
     assert times == sorted(times)
-    assert metadata(path)["PART"]["because"] == "the test asks"
+    assert FileReader(path).metadata()["PART"]["because"] == "the test asks"
 
 
 def test_saves_that_follow_one_another_adjoin(tmp_path):
@@ -288,6 +286,16 @@ def test_a_recording_that_is_asked_for_ends_a_save(tmp_path):
     bench.stop()
     assert commands(tmp_path / "a.mcap") == list(range(200))
     assert commands(tmp_path / "b.mcap") == list(range(200, 300))
+
+
+def test_a_recording_begins_when_it_is_asked_for_and_not_with_what_was_kept(tmp_path, path):
+    bench = Bench(tmp_path, rolling_s=2)
+    bench.hear(100)
+    bench.wait(0.1)
+    bench.deck.start(path, bench.now_ns, "")
+    bench.hear(10)
+    bench.stop()
+    assert commands(path) == list(range(100, 110))
 
 
 def test_nothing_is_kept_unless_that_is_asked_for(tmp_path, path):

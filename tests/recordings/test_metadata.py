@@ -30,5 +30,10 @@ def test_facts_that_change_places_are_noticed(said, data):
     assert not unbroken(record)
 
 
+@given(facts)
+def test_the_order_of_the_facts_does_not_matter(said):
+    assert sealed(dict(reversed(said.items()))) == sealed(said)
+
+
 def test_another_producers_metadata_is_taken_as_it_is():
     assert unbroken({"anything": "at all"})

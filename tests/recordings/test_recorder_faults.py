@@ -16,10 +16,10 @@ import pytest
 
 from messaging.recorder import RecorderAction, RecorderRequest
 from messaging.topics import LOG, RECORDER_DO
+from recordings.file_reader import FileReader
 from recordings.parts import parts
-from recordings.reader import messages, metadata
-from recordings.records import finished
 from recordings.settings import RecorderSettings
+from recordings.source import finished
 
 SCRIPT = Path(__file__).with_name("recorder_under_test.py")
 SECOND_NS = 1_000_000_000
@@ -100,15 +100,15 @@ def disk(mounted, small_disk, tmp_path):
 
 
 def sequences(path, key):
-    return [one.sequence for part in parts(path) for one in messages(part) if one.topic == key]
+    return [one.sequence for part in parts(path) for one in FileReader(part).messages() if one.topic == key]
 
 
 def holds_both(path):
-    return {COMMAND, FRAME} <= {one.topic for part in parts(path) for one in messages(part)}
+    return {COMMAND, FRAME} <= {one.topic for part in parts(path) for one in FileReader(part).messages()}
 
 
 def lines(path):
-    return [one.message.wire.message for part in parts(path) for one in messages(part, [LOG])]
+    return [one.message.wire.message for part in parts(path) for one in FileReader(part).messages([LOG])]
 
 
 def end(process):
@@ -129,7 +129,7 @@ def lost_by_topic(path):
         {
             key.removeprefix("lost/"): int(count)
             for part in parts(path)
-            for key, count in metadata(part)["SUMMARY"].items()
+            for key, count in FileReader(part).metadata()["SUMMARY"].items()
             if key.startswith("lost/")
         }
     )
@@ -142,19 +142,19 @@ def test_kill_9_takes_less_than_a_second_and_the_next_recorder_goes_on(start, pa
     killed_ns, said = time.time_ns(), talker.said[COMMAND]
     first.kill()
     first.wait()
-    cut = [one for one in messages(path) if one.topic == COMMAND]
+    cut = [one for one in FileReader(path).messages() if one.topic == COMMAND]
     numbers = [one.sequence for one in cut]
     assert numbers == list(range(numbers[0], numbers[-1] + 1))
     assert killed_ns - cut[-1].publish_time_ns < SECOND_NS
     assert said - numbers[-1] <= 100
     assert not finished(path)
-    assert "SUMMARY" not in metadata(path)
+    assert "SUMMARY" not in FileReader(path).metadata()
 
     second = start()
-    eventually(lambda: len(parts(path)) == 2 and list(messages(parts(path)[1])))
+    eventually(lambda: len(parts(path)) == 2 and list(FileReader(parts(path)[1]).messages()))
     end(second)
     assert finished(parts(path)[1])
-    assert metadata(parts(path)[1])["PART"]["number"] == "2"
+    assert FileReader(parts(path)[1]).metadata()["PART"]["number"] == "2"
 
 
 def test_a_power_cut_takes_less_than_a_second_and_one_chunk(start, path, synced, talker, eventually):
@@ -171,7 +171,7 @@ def test_a_power_cut_takes_less_than_a_second_and_one_chunk(start, path, synced,
     os.truncate(path, kept_bytes)
     numbers = sequences(path, COMMAND)
     assert numbers == list(range(numbers[0], numbers[-1] + 1))
-    assert cut_ns - max(one.publish_time_ns for one in messages(path)) < SECOND_NS
+    assert cut_ns - max(one.publish_time_ns for one in FileReader(path).messages()) < SECOND_NS
 
 
 def test_a_slow_disk_loses_nothing_and_is_still_answered_for(start, ask, path, stall, talker, eventually):
@@ -191,7 +191,9 @@ def test_a_slow_disk_loses_nothing_and_is_still_answered_for(start, ask, path, s
     end(process)
     assert missing_by_topic(path) == {}
     assert lost_by_topic(path) == {}
-    during = [one for one in messages(path) if before[COMMAND] <= one.sequence and one.topic == COMMAND]
+    during = [
+        one for one in FileReader(path).messages() if before[COMMAND] <= one.sequence and one.topic == COMMAND
+    ]
     assert max(late.log_time_ns - late.publish_time_ns for late in during) < SECOND_NS
 
 
@@ -241,7 +243,7 @@ def test_a_disk_that_fills_ends_the_recording_before_it_is_full(start, ask, moun
     eventually(lambda: ask("status").state == "waiting")
     assert "least_free_bytes" in ask("status").reason
     eventually(lambda: finished(disk / "a.mcap"))
-    assert "least_free_bytes" in metadata(disk / "a.mcap")["SUMMARY"]["ended_because"]
+    assert "least_free_bytes" in FileReader(disk / "a.mcap").metadata()["SUMMARY"]["ended_because"]
     assert any("least_free_bytes" in line for line in lines(disk / "a.mcap"))
     refused = ask("start", disk / "b.mcap")
     assert (refused.accepted, refused.state) == (False, "waiting")
@@ -297,8 +299,8 @@ def test_parts_of_a_recorder_at_work_lose_nothing_between_them(start, path, talk
     end(process)
     assert missing_by_topic(path) == {}
     assert all(finished(part) for part in parts(path))
-    names = [metadata(part)["SUMMARY"].get("goes_on_in") for part in parts(path)]
+    names = [FileReader(part).metadata()["SUMMARY"].get("goes_on_in") for part in parts(path)]
     assert names == [*(part.name for part in parts(path)[1:]), None]
     for part, following in itertools.pairwise(parts(path)):
-        last, first = list(messages(part))[-1], next(messages(following))
+        last, first = list(FileReader(part).messages())[-1], next(FileReader(following).messages())
         assert last.log_time_ns <= first.log_time_ns

@@ -12,9 +12,9 @@ from messaging.session import open_session
 from messaging.topics import CAMERA, LOG, SIMULATED_CAMERA, TENDON_COMMAND, TOPICS
 from recordings import process
 from recordings.errors import RecordingExistsError, RecordingInUseError
-from recordings.reader import attachments, messages, metadata
-from recordings.records import finished
+from recordings.file_reader import FileReader
 from recordings.settings import RecorderSettings
+from recordings.source import finished
 
 ATTACHED = {"bench.toml": b"name = 'bench'", "calibration.json": b"{}"}
 LOGGED = [topic.named("left") for topic in TOPICS if topic.logged]
@@ -52,7 +52,7 @@ def reaches(path, eventually, as_message):
     def wait(publisher, key, content=b""):
         def arrived():
             publisher.put(as_message(content))
-            return path.exists() and any(one.topic == key for one in messages(path))
+            return path.exists() and any(one.topic == key for one in FileReader(path).messages())
 
         eventually(arrived)
 
@@ -79,16 +79,18 @@ def test_every_logged_topic_arrives_byte_for_byte(bus, path, recorder, reaches, 
     summary = running.result(30)
 
     heard = {key: [] for key in publishers}
-    for one in messages(path):
+    for one in FileReader(path).messages():
         heard[one.topic].append(one.payload)
     kept = {key: [p for p in payloads if p not in (b"first", b"end")] for key, payloads in heard.items()}
     assert kept == said
     assert summary.lost == {}
     assert summary.messages == {key: len(payloads) for key, payloads in heard.items()}
     assert summary.size_bytes == path.stat().st_size
-    assert attachments(path) == ATTACHED
-    assert metadata(path)["SUMMARY"]["messages/camera/left"] == str(summary.messages["camera/left"])
-    assert "eclipse-zenoh" in metadata(path)["VERSIONS"]
+    assert FileReader(path).attachments() == ATTACHED
+    assert FileReader(path).metadata()["SUMMARY"]["messages/camera/left"] == str(
+        summary.messages["camera/left"]
+    )
+    assert "eclipse-zenoh" in FileReader(path).metadata()["VERSIONS"]
     assert finished(path)
     with path.open("rb") as file:
         statistics = make_reader(file).get_summary().statistics
@@ -98,7 +100,7 @@ def test_every_logged_topic_arrives_byte_for_byte(bus, path, recorder, reaches, 
 def reaches_end(publisher, path, key, as_message):
     deadline = time.monotonic() + 15
     publisher.put(as_message(b"end"))
-    while not any(one.topic == key and one.payload == b"end" for one in messages(path)):
+    while not any(one.topic == key and one.payload == b"end" for one in FileReader(path).messages()):
         assert time.monotonic() < deadline
         time.sleep(0.05)
 
@@ -113,7 +115,7 @@ def test_sequence_numbers_and_times_are_those_of_the_publisher(bus, path, record
     reaches(publisher, "camera/left")
     recorder.stop.set()
     running.result(30)
-    one = next(one for one in messages(path) if one.payload == b"numbered")
+    one = next(one for one in FileReader(path).messages() if one.payload == b"numbered")
     assert one.sequence == 5
     assert before_ns <= one.publish_time_ns <= after_ns
     assert one.log_time_ns >= one.publish_time_ns - 1_000_000_000
@@ -143,12 +145,12 @@ def test_what_a_stalled_recorder_loses_is_counted_in_the_log_itself(bus, path, r
     recorder.stop.set()
     summary = running.result(30)
 
-    sequences = [one.sequence for one in messages(path, [TENDON_COMMAND])]
+    sequences = [one.sequence for one in FileReader(path).messages([TENDON_COMMAND])]
     missing = sequences[-1] - sequences[0] + 1 - len(sequences)
     assert missing > 100
     assert summary.lost == {TENDON_COMMAND.key: missing}
-    assert metadata(path)["SUMMARY"][f"lost/{TENDON_COMMAND.key}"] == str(missing)
-    lines = [one.message.wire for one in messages(path, [LOG])]
+    assert FileReader(path).metadata()["SUMMARY"][f"lost/{TENDON_COMMAND.key}"] == str(missing)
+    lines = [one.message.wire for one in FileReader(path).messages([LOG])]
     assert any(f"tendon/command: {missing} lost (sequence" in line.message for line in lines)
     assert {line.name for line in lines} == {"record"}
 
@@ -164,7 +166,7 @@ def test_a_publication_from_outside_is_told_of_and_ends_nothing(zenoh_settings, 
             foreign.put("nodal/bench/tendon/command", b"hello")
             time.sleep(0.05)
             told = path.exists() and any(
-                "no envelope" in one.message.wire.message for one in messages(path, [LOG])
+                "no envelope" in one.message.wire.message for one in FileReader(path).messages([LOG])
             )
     reaches(bus.publisher(TENDON_COMMAND), TENDON_COMMAND.key)
     recorder.stop.set()

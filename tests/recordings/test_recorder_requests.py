@@ -10,9 +10,9 @@ from messaging.recorder import RecorderAction, RecorderRequest
 from messaging.session import open_session
 from messaging.topics import ASKED, CONTROLLER_STATE, RECORDER_DO, TENDON_COMMAND
 from recordings import process
-from recordings.reader import messages, metadata
-from recordings.records import finished
+from recordings.file_reader import FileReader
 from recordings.settings import RecorderSettings
+from recordings.source import finished
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def asked(bus):
 
 
 def commands(path):
-    return [one.sequence for one in messages(path, [TENDON_COMMAND])]
+    return [one.sequence for one in FileReader(path).messages([TENDON_COMMAND])]
 
 
 def test_it_waits_until_it_is_asked_and_ends_when_it_is_asked(recorder, ask, folder, talker, eventually):
@@ -115,33 +115,45 @@ def test_what_cannot_be_saved_is_refused_with_the_reason(recorder, ask, folder):
     assert "everything is being recorded already" in refused.reason
 
 
-def test_a_fault_of_the_controller_saves_the_last_seconds(
-    recorder, ask, bus, folder, talker, as_message, eventually
-):
-    recorder(rolling_s=60, rolling_follow_s=0.3)
+@pytest.fixture
+def fall_into_fault(bus, ask, as_message):
+    """Say that the controller tracks, and then that it is in fault."""
     states = bus.publisher(CONTROLLER_STATE)
 
     def say(state, reason):
         states.put(as_message(ControllerState.protobuf(state=state, reason=reason).SerializeToString()))
+        # what is said before a question is heard before its answer
+        assert ask("status").accepted
 
+    def fall():
+        say(State.TRACKING, "")
+        for _ in range(5):
+            say(State.FAULT, "servo 3 is hot")
+
+    return fall
+
+
+def test_a_fault_of_the_controller_saves_the_last_seconds(
+    recorder, ask, fall_into_fault, folder, talker, eventually
+):
+    recorder(rolling_s=60, rolling_follow_s=0.3)
     eventually(lambda: "MB kept in memory" in ask("status").reason and talker.said["tendon/command"] > 150)
-    eventually(lambda: say(State.TRACKING, "") or states_heard(ask))
     said = talker.said["tendon/command"]
-    say(State.FAULT, "servo 3 is hot")
+    fall_into_fault()
     eventually(lambda: list(folder.iterdir()))
     [saved] = folder.iterdir()
-    for _ in range(5):
-        say(State.FAULT, "servo 3 is hot")
     eventually(lambda: finished(saved))
     assert saved.name.endswith("Z-fault.mcap")
-    assert "the controller's state became fault: servo 3 is hot" in metadata(saved)["PART"]["because"]
+    because = FileReader(saved).metadata()["PART"]["because"]
+    assert because == "the controller's state became fault: servo 3 is hot"
     assert commands(saved)[0] <= said - 100
     assert list(folder.iterdir()) == [saved]
 
 
-def states_heard(ask):
-    # the recorder hears within 10 ms, and answers after that
-    return ask("status").accepted
+def test_a_fault_saves_nothing_where_nothing_is_kept(recorder, fall_into_fault, folder, talker):
+    recorder()
+    fall_into_fault()
+    assert list(folder.iterdir()) == []
 
 
 def test_every_answer_is_said_to_all(recorder, ask, asked, eventually):
