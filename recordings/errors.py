@@ -9,7 +9,8 @@ NodalError
     |   `-- DeletedError           the file was deleted while it was being written
     |-- UnreadableError            there is no such file, or it may not be read
     |-- DamagedRecordingError      bytes that are not what an MCAP file holds at that place
-    `-- UnknownTopicError          a recorded topic that this version has no message type for
+    |-- UnknownTopicError          a recorded topic that this version has no message type for
+    `-- FieldError                 a field that messages do not have, or not in one shape
 """
 
 from pathlib import Path
@@ -51,13 +52,18 @@ class UnreadableError(RecordingError):
 
 
 class DamagedRecordingError(RecordingError):
-    """The file is damaged `offset` bytes from its beginning; what stands before that is whole."""
+    """The file is damaged `offset` bytes from its beginning, and `problem` says how."""
 
     def __init__(self, path: Path, offset: int, problem: str) -> None:
         """Name the place too."""
         super().__init__(path, f"damaged at byte {offset}: {problem}")
         self.offset = offset
+        self.problem = problem
 
 
 class UnknownTopicError(RecordingError):
     """The table of topics has no such topic, or the file holds another type of message under its name."""
+
+
+class FieldError(RecordingError):
+    """The topic's messages have no such field, or it has not the same shape in all of them."""

@@ -15,7 +15,7 @@ from recordings.errors import (
     RecordingInUseError,
     UnwritableError,
 )
-from recordings.records import open_to_read
+from recordings.source import open_to_read
 
 NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 

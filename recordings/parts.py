@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 from recordings.errors import DamagedRecordingError, RecordingExistsError, RecordingInUseError
+from recordings.file_reader import FileReader
 from recordings.output import in_use
-from recordings.reader import metadata
-from recordings.records import finished
+from recordings.source import finished
 
 GOES_ON_IN = "goes_on_in"
 
@@ -36,6 +36,12 @@ def part_path(path: Path, number: int) -> Path:
 def parts(path: Path) -> list[Path]:
     """The files that there are of this recording, in order; a missing part hides none of those after it."""
     return [part_path(path, number) for number in _numbers(path)]
+
+
+def absent_parts(path: Path) -> list[Path]:
+    """Files of this recording that should stand between those that there are."""
+    numbers = _numbers(path)
+    return [part_path(path, number) for number in range(1, max(numbers, default=0)) if number not in numbers]
 
 
 def next_number(path: Path) -> int:
@@ -64,6 +70,6 @@ def _numbers(path: Path) -> list[int]:
 
 def _goes_on(part: Path) -> bool:
     try:
-        return GOES_ON_IN in metadata(part).get("SUMMARY", {})
+        return GOES_ON_IN in FileReader(part).metadata().get("SUMMARY", {})
     except DamagedRecordingError:
         return False

@@ -1,115 +1,173 @@
-"""The records of an MCAP file, one after another as they stand in it, as far as the file goes.
+"""Records of an MCAP file as they stand in it, and whether the bytes at a place can be one.
 
-A recorder that was killed leaves a file without an end: that is no damage, its last record is left out. Anything else
-that is not MCAP is a DamagedRecordingError naming the place. The index at the end is not used, so a file that was cut
-off reads like any other. Format: https://mcap.dev/spec
+Format: https://mcap.dev/spec
 """
 
-import os
 import struct
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+import zlib
+from dataclasses import dataclass
 from io import BytesIO
-from pathlib import Path
-from typing import IO, cast
+from typing import Any
 
-from mcap.data_stream import ReadDataStream
+from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import breakup_chunk
-from mcap.writer import MCAP0_MAGIC as MAGIC
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
 
-from recordings.errors import DamagedRecordingError, UnreadableError
+from recordings.metadata import CHECKSUM, unbroken
+from recordings.source import MAGIC, Source
+from recordings.stored_chunk import HEAD, LARGEST_BYTES, LENGTH32, MESSAGE, chunk_at, records_in
 
-HEAD = struct.Struct("<BQ")
-"""Opcode and length of the record that follows."""
-
-PARSERS = {Opcode.ATTACHMENT: Attachment.read, Opcode.CHUNK: Chunk.read, Opcode.METADATA: Metadata.read}
-
-OPCODES = frozenset(Opcode)
-
-MALFORMED = (McapError, struct.error, ValueError, RuntimeError, MemoryError, LookupError)
-
-
-def records(path: Path, wanted: Collection[Opcode]) -> Iterator[tuple[int, McapRecord]]:
-    """Offset and record of each attachment, chunk or metadata wanted; raises UnreadableError, DamagedRecordingError."""
-    with open_to_read(path) as file:
-        size = file.seek(0, os.SEEK_END)
-        closed = _ends_with_magic(file, size)
-        _check_magic(path, file)
-        offset = len(MAGIC)
-        while offset + HEAD.size <= size:
-            opcode, length = HEAD.unpack(file.read(HEAD.size))
-            end = offset + HEAD.size + length
-            if opcode not in OPCODES:
-                raise DamagedRecordingError(path, offset, f"there is no record type {opcode}")
-            if end > size and closed:
-                raise DamagedRecordingError(path, offset, f"a record of {length} bytes reaches past the end")
-            if end > size or opcode == Opcode.FOOTER:
-                return
-            if opcode in wanted:
-                yield offset, _parsed(path, offset, Opcode(opcode), file.read(length))
-            offset = file.seek(end)
-
-
-def messages_with_channels(path: Path) -> Iterator[tuple[Schema, Channel, Message]]:
-    """Every message of the file with what describes it; raises UnreadableError, DamagedRecordingError."""
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
-    for offset, chunk in records(path, {Opcode.CHUNK}):
-        with _whole(path, offset, "chunk"):
-            contents = breakup_chunk(cast("Chunk", chunk), validate_crc=True)
-        for record in contents:
-            if isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Channel):
-                channels[record.id] = record
-            elif isinstance(record, Message):
-                with _whole(path, offset, "message"):
-                    channel = channels[record.channel_id]
-                    schema = schemas[channel.schema_id]
-                yield schema, channel, record
+KINDS: dict[Opcode, Any] = {
+    Opcode.HEADER: Header,
+    Opcode.FOOTER: Footer,
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.CHUNK_INDEX: ChunkIndex,
+    Opcode.ATTACHMENT: Attachment,
+    Opcode.ATTACHMENT_INDEX: AttachmentIndex,
+    Opcode.STATISTICS: Statistics,
+    Opcode.METADATA: Metadata,
+    Opcode.METADATA_INDEX: MetadataIndex,
+    Opcode.SUMMARY_OFFSET: SummaryOffset,
+    Opcode.DATA_END: DataEnd,
+}
+MALFORMED = (McapError, struct.error, ValueError, OverflowError, LookupError)
+INDEX_HEAD = struct.Struct("<HI")
+INDEX_ENTRY_BYTES = 16
+FOOTER_BYTES = HEAD.size + 20
+FIRST_UNKNOWN = 0x10
+PRODUCER = "nodal"
+"""The library that our recordings name in their header."""
 
 
-def finished(path: Path) -> bool:
-    """True when the recorder ended the file itself; raises UnreadableError."""
-    with open_to_read(path) as file:
-        return _ends_with_magic(file, file.seek(0, os.SEEK_END))
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Place:
+    """One record: `length` bytes from `offset`, its head of opcode and length included."""
+
+    opcode: int
+    offset: int
+    length: int
+
+    @property
+    def end(self) -> int:
+        """The byte after it."""
+        return self.offset + self.length
 
 
-def open_to_read(path: Path) -> IO[bytes]:
-    """The file; raises UnreadableError."""
+def record_at(source: Source, offset: int, *, strict: bool) -> Place | None:
+    """The record that begins here; None when these bytes can be none.
+
+    `strict` is what our own recordings are held to: no records but those that their writer knows, and none with rests.
+    What a chunk holds is not looked into.
+    """
+    head = source.read(offset, HEAD.size)
+    if len(head) < HEAD.size:
+        return None
+    opcode, length = HEAD.unpack(head)
+    place = Place(opcode=opcode, offset=offset, length=HEAD.size + length)
+    if place.end > source.size:
+        return None
+    if opcode == Opcode.CHUNK:
+        chunk = chunk_at(source, offset)
+        sound = chunk is not None and chunk.end == place.end
+    elif opcode == Opcode.MESSAGE_INDEX:
+        sound = _is_message_index(source, place)
+    elif opcode in KINDS:
+        sound = parsed(source, place, strict=strict) is not None
+    elif opcode == Opcode.MESSAGE:
+        sound = not strict and length >= MESSAGE.size
+    else:
+        sound = not strict and opcode >= FIRST_UNKNOWN
+    return place if sound else None
+
+
+def parsed(source: Source, place: Place, *, strict: bool) -> McapRecord | None:
+    """The record at this place, when writing it again gives the same bytes and its checksum agrees; else None."""
+    if place.length > LARGEST_BYTES:
+        return None
+    return record_of(source.read(place.offset, place.length), strict=strict)
+
+
+def record_of(data: bytes, *, strict: bool) -> McapRecord | None:
+    """The record that these bytes are, head included, when writing it again gives the same ones; else None."""
     try:
-        return path.open("rb")
-    except OSError as error:
-        raise UnreadableError(path, f"it cannot be read: {error.strerror}") from error
+        record: McapRecord = KINDS[Opcode(data[0])].read(ReadDataStream(BytesIO(data[HEAD.size :])))
+        builder = RecordBuilder()
+        record.write(builder)
+    except MALFORMED:
+        return None
+    again: bytes = builder.end()  # type: ignore[no-untyped-call]
+    if isinstance(record, Attachment):
+        # its last field is the checksum, which another producer may leave out
+        unchecked = not strict and data[-LENGTH32.size :] == bytes(LENGTH32.size)
+        return record if data == again or (unchecked and data[:-4] == again[:-4]) else None
+    # a later version of MCAP may have put more fields behind those that are known
+    same = data == again if strict else data[HEAD.size :].startswith(again[HEAD.size :])
+    if isinstance(record, Metadata) and same:
+        same = unbroken(record.metadata) and (not strict or CHECKSUM in record.metadata)
+    return record if same else None
 
 
-def _parsed(path: Path, offset: int, opcode: Opcode, body: bytes) -> McapRecord:
-    with _whole(path, offset, opcode.name.lower()):
-        return cast("McapRecord", PARSERS[opcode](ReadDataStream(BytesIO(body))))
+def header_of(source: Source) -> Header | None:
+    """What the file says of itself at its beginning; None when that is damaged."""
+    place = record_at(source, len(MAGIC), strict=False)
+    header = parsed(source, place, strict=False) if place else None
+    return header if isinstance(header, Header) else None
 
 
-@contextmanager
-def _whole(path: Path, offset: int, kind: str) -> Iterator[None]:
-    """Turn what mcap and its decompressors raise on bytes that are not what they claim to be into one error."""
+def header_end(source: Source) -> int:
+    """The byte after the header."""
+    place = record_at(source, len(MAGIC), strict=False)
+    return place.end if place else len(MAGIC)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """The records between the data and the footer, and where they begin."""
+
+    offset: int
+    records: list[McapRecord]
+
+
+def summary_of(source: Source, *, strict: bool) -> Summary | None:
+    """The summary at the end of the file, when it agrees with its checksum; else None. It may be empty."""
+    footer_at = source.size - FOOTER_BYTES - len(MAGIC)
+    data = source.read(footer_at, FOOTER_BYTES) if footer_at > 0 else b""
+    footer = record_of(data, strict=True) if data else None
+    if not isinstance(footer, Footer):
+        return None
+    begin = footer.summary_start or footer_at
+    if begin > footer_at or footer_at - begin > LARGEST_BYTES:
+        return None
+    summary = source.read(begin, footer_at - begin)
+    if footer.summary_crc != zlib.crc32(data[:-4], zlib.crc32(summary)) and (strict or footer.summary_crc):
+        return None
     try:
-        yield
-    except MALFORMED as error:
-        raise DamagedRecordingError(
-            path, offset, f"a {kind} cannot be read: {error or type(error).__name__}"
-        ) from error
+        pieces = [summary[start:end] for _, start, end in records_in(summary)]
+    except ValueError:
+        return None
+    records = [record_of(piece, strict=False) for piece in pieces]
+    return Summary(offset=begin, records=[record for record in records if record is not None])
 
 
-def _check_magic(path: Path, file: IO[bytes]) -> None:
-    file.seek(0)
-    magic = file.read(len(MAGIC))
-    # nothing at all is what a recorder leaves that was killed at its very start
-    if magic and magic != MAGIC:
-        raise DamagedRecordingError(path, 0, f"it begins with {magic.hex(' ')}; it is not an MCAP file")
-
-
-def _ends_with_magic(file: IO[bytes], size: int) -> bool:
-    file.seek(max(size - len(MAGIC), 0))
-    return size > len(MAGIC) and file.read() == MAGIC
+def _is_message_index(source: Source, place: Place) -> bool:
+    data = source.read(place.offset + HEAD.size, INDEX_HEAD.size)
+    if len(data) < INDEX_HEAD.size:
+        return False
+    _, length = INDEX_HEAD.unpack(data)
+    return bool(length % INDEX_ENTRY_BYTES == 0 and place.length == HEAD.size + INDEX_HEAD.size + length)

@@ -16,8 +16,8 @@ from messaging.control import State
 from messaging.session import open_session
 from nodal.bench_file import load_bench
 from nodal.demo.telemetry import Telemetry
+from recordings.file_reader import FileReader
 from recordings.parts import parts
-from recordings.reader import attachments, messages, metadata
 
 PROCESSES = ("rendezvous", "record", "simulate", "sense", "control")
 IN_THE_LOOP = ("simulate", "sense", "control")
@@ -92,7 +92,7 @@ def is_back(folder, name, killed):
 
 
 def finished(recording):
-    return "SUMMARY" in metadata(recording)
+    return "SUMMARY" in FileReader(recording).metadata()
 
 
 def assert_nothing_is_left(folder):
@@ -134,9 +134,11 @@ def test_the_recording_is_finished_and_says_what_ran(demo):
     recording = folder / json.loads(out)["recording"]
 
     assert finished(recording)
-    assert attachments(recording)["calibration.json"] == (folder / "calibration.json").read_bytes()
-    assert tomllib.loads(attachments(recording)["bench.toml"].decode())["name"] == "simulated"
-    topics = {message.topic for message in messages(recording)}
+    assert (
+        FileReader(recording).attachments()["calibration.json"] == (folder / "calibration.json").read_bytes()
+    )
+    assert tomllib.loads(FileReader(recording).attachments()["bench.toml"].decode())["name"] == "simulated"
+    topics = {message.topic for message in FileReader(recording).messages()}
     assert {"camera/left", "camera/right", "shape", "truth", "target", "tendon/command", "log"} <= topics
 
 
