@@ -20,7 +20,7 @@ COMMANDS = {
     "simulate": "run the simulated bench: cameras, servos and robot",
     "sense": "run shape sensing",
     "control": "run the controller",
-    "record": "run the recorder",
+    "record": "run the recorder, or ask one that runs: start, stop, save, status",
     "report": "one page on a recording, or on several side by side",
     "log": "look into a recording, check it, recover it, cut it",
 }
