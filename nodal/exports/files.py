@@ -9,6 +9,7 @@ from messaging.frames import Frame
 from messaging.topics import Topic
 from nodal.errors import CommandError
 from nodal.exports.output import new_folder
+from nodal.log.spans import Span
 from recordings.log import Log
 
 
@@ -25,13 +26,11 @@ def write_attachments(log: Log, path: Path) -> list[str]:
     return [f"{path / name}: {len(data)} bytes" for name, data in attached.items()]
 
 
-def write_pictures(
-    log: Log, cameras: list[Topic], start_ns: int, end_ns: int | None, path: Path
-) -> list[str]:
+def write_pictures(log: Log, cameras: list[Topic], span: Span, path: Path) -> list[str]:
     """A folder a camera; pictures are named by their capture's Unix time in ns, and their bytes are the camera's own."""
     counts: Counter[str] = Counter()
     with new_folder(path) as folder:
-        for recorded in log.messages(cameras, start_ns, end_ns):
+        for recorded in log.messages(cameras, span.start_ns, span.end_ns):
             try:
                 frame = recorded.message
             except NodalError:

@@ -12,7 +12,6 @@ from messaging.topics import TOPICS
 from messaging.views import LogLine, View
 from nodal.exports.columns import Column, joined
 from nodal.exports.rows import columns_of, in_seconds, label_fields, layout_of, record_of, row_counts
-from nodal.report.traffic import TopicTraffic, topic_traffic
 from recordings.reader import Recorded
 
 BLOCK = 1000
@@ -39,25 +38,17 @@ class Table:
 
 
 class Tables:
-    """Fills tables from publications, each of which counts once, though later parts begin with some of the earlier ones.
-
-    What cannot be read is counted in `unreadable`, by key and reason.
-    """
+    """Fills tables from publications. What cannot be read is counted in `unreadable`, by key and reason."""
 
     def __init__(self, beginning_ns: int) -> None:
         """Seconds are counted from this Unix time."""
         self._beginning_ns = beginning_ns
         self._builders: dict[str, _Builder] = {}
-        self._traffic: dict[str, TopicTraffic] = {}
         self.unreadable: Counter[tuple[str, str]] = Counter()
 
     def hear(self, publications: Iterable[Recorded]) -> None:
         """Take these in."""
         for recorded in publications:
-            heard = topic_traffic(self._traffic, recorded.topic)
-            if heard.repeats(recorded):
-                continue
-            heard.hear(recorded)
             try:
                 record = record_of(recorded.message)
             except NodalError as error:

@@ -101,7 +101,7 @@ def _written(log: "Log", arguments: argparse.Namespace) -> list[str]:
         return _tables(log, arguments, span)
     cameras = files.camera_topics(arguments.camera)
     if arguments.to == "jpeg":
-        return files.write_pictures(log, cameras, span.start_ns, span.end_ns, arguments.output)
+        return files.write_pictures(log, cameras, span, arguments.output)
     from nodal.exports.video.film import write_film  # noqa: PLC0415
 
     width_px = WIDTH_PX if arguments.width is None else arguments.width

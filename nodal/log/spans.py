@@ -29,11 +29,11 @@ class Moment:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Span:
-    """Log times from `start_ns` on and before `end_ns` (None: to the end), of a recording whose first is `beginning_ns`."""
+    """Log times from `start_ns` on and before `end_ns`, of a recording that begins at `beginning_ns`. Unix ns."""
 
     beginning_ns: int
     start_ns: int
-    end_ns: int | None
+    end_ns: int
 
 
 def moment(text: str) -> Moment:
@@ -61,17 +61,16 @@ def add_span_arguments(parser: argparse.ArgumentParser) -> None:
 
 def span_of(log: "Log", arguments: argparse.Namespace) -> Span:
     """The stretch that the arguments name; raises CommandError when nothing can lie in it, RecordingError."""
-    first = next(log.messages(), None)
-    if first is None:
+    whole = log.span_ns
+    if whole is None:
         raise CommandError(f"{log.path}: the recording holds no messages")
-    beginning_ns = first.log_time_ns
+    beginning_ns, last_ns = whole
     begin, end = arguments.from_moment, arguments.until_moment
     start_ns = begin.in_ns(beginning_ns) if begin else beginning_ns
-    end_ns = end.in_ns(beginning_ns) if end else None
-    if end_ns is not None and end_ns <= start_ns:
-        raise CommandError(
-            f"--until {end.text} is not after {'--from ' + begin.text if begin else 'the beginning'}"
-        )
+    end_ns = end.in_ns(beginning_ns) if end else last_ns + 1
+    if end and end_ns <= start_ns:
+        where = f"--from {begin.text}" if begin else "the beginning"
+        raise CommandError(f"--until {end.text} is not after {where}")
     return Span(beginning_ns=beginning_ns, start_ns=start_ns, end_ns=end_ns)
 
 

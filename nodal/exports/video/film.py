@@ -32,12 +32,12 @@ def write_film(log: Log, names: Sequence[str], span: Span, width_px: int, path: 
     if not NARROWEST_PX <= width_px <= WIDEST_PX:
         raise CommandError(f"--width {width_px}: a film is {NARROWEST_PX} to {WIDEST_PX} px wide")
     stage = Stage(_cameras(log, names), width_px, span.beginning_ns)
-    progress = _Progress()
+    progress = _Progress(span)
     with new_file(path) as draft, Encoder(draft, stage.width_px, stage.height_px) as film:
         for scene in scenes_of(log, span):
             if any(panel.calibration.camera in scene.frames for panel in stage.panels):
                 film.add(stage.drawn(scene), scene.time_ns)
-                progress.tell(film.duration_s)
+                progress.tell(scene.time_ns)
         if not film.pictures:
             raise CommandError(f"{log.path}: no pictures were recorded then")
     size = f"{stage.width_px}x{stage.height_px} px"
@@ -84,10 +84,12 @@ def _cameras(log: Log, names: Sequence[str]) -> list[CameraCalibration]:
 class _Progress:
     """Says now and then on stderr how far a long film has come."""
 
-    def __init__(self) -> None:
+    def __init__(self, span: Span) -> None:
+        self._span = span
         self._due_s = time.monotonic() + PROGRESS_S
 
-    def tell(self, written_s: float) -> None:
+    def tell(self, time_ns: int) -> None:
         if time.monotonic() >= self._due_s:
             self._due_s = time.monotonic() + PROGRESS_S
-            print(f"nodal: {written_s:.0f} s of the film written", file=sys.stderr)
+            done_s, whole_s = ((end - self._span.start_ns) / 1e9 for end in (time_ns, self._span.end_ns))
+            print(f"nodal: film: {done_s:.0f} of {whole_s:.0f} s", file=sys.stderr)
