@@ -133,21 +133,25 @@ class Deck:
         more = self._due
         if now_ns >= self._settle_at_ns:
             self._settle_at_ns = now_ns + int(self._settings.flush_period_s * 1e9)
-            if self._backlog.dropped > self._dropped:
-                dropped, self._dropped = self._backlog.dropped - self._dropped, self._backlog.dropped
-                kept = in_words(self._settings.memory_bytes)
-                self._tell(
-                    recorder, f"the disk is too slow: {kept} waited, and {dropped} publications were dropped"
-                )
-            recorder.settle()
-            if problem := self._no_room(recorder.path):
-                self._tell(recorder, problem)
-                self._end(recorder, problem)
-            elif recorder.full:
-                self._rotate(recorder)
+            self._settle(recorder)
         if now_ns > self._until_ns and not more and self._recorder is not None:
             self._end(recorder, "everything that was to be saved is saved")
         return more and recorder.waiting_bytes < WRITE_AHEAD_BYTES
+
+    def _settle(self, recorder: Recorder) -> None:
+        """Keep the file and the disk in order: what was lost is told, what was written is synced, what is long enough goes on."""
+        if dropped := self._backlog.dropped - self._dropped:
+            self._dropped = self._backlog.dropped
+            kept = in_words(self._settings.memory_bytes)
+            self._tell(
+                recorder, f"the disk is too slow: {kept} waited, and {dropped} publications were dropped"
+            )
+        recorder.settle()
+        if problem := self._no_room(recorder.path):
+            self._tell(recorder, problem)
+            self._end(recorder, problem)
+        elif recorder.full:
+            self._rotate(recorder)
 
     @property
     def _due(self) -> bool:
