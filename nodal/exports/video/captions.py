@@ -55,7 +55,7 @@ def _doing(scene: Scene) -> tuple[str, Tone]:
 
 def _figures(scene: Scene) -> str:
     figures = []
-    if scene.state and scene.acted_on and scene.state.node_names:
+    if scene.state and scene.acted_on and scene.state.target_name:
         figures.append(f"tracking error {scene.state.tracking_error_mm:.2f} mm")
     if scene.shape and not scene.shape.refusal:
         figures += [

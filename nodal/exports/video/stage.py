@@ -111,7 +111,7 @@ class Stage:
                 self._text(shown, name, beside, WHITE)
 
     def _draw_desired(self, shown: Picture, panel: Panel, state: ControllerState | None) -> None:
-        if state is None or not state.node_names:
+        if state is None or not state.target_name:
             return
         for place in panel.places(state.desired_mm):
             _draw_ring(shown, place, 0.5 * self._text_px, DESIRED)
