@@ -11,7 +11,16 @@ from recordings.backlog import Heard
 from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
 
-PACKAGES = ("nodal", "eclipse-zenoh", "mcap", "protobuf", "foxglove-schemas-protobuf")
+PACKAGES = (
+    "nodal",
+    "eclipse-zenoh",
+    "foxglove-schemas-protobuf",
+    "mcap",
+    "numpy",
+    "opencv-python-headless",
+    "protobuf",
+    "scipy",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,4 +98,9 @@ def write_heard(part: RecordingWriter, heard: Heard, log_time_ns: int) -> None:
 
 @cache
 def _versions() -> dict[str, str]:
-    return {"python": platform.python_version(), **{package: version(package) for package in PACKAGES}}
+    return {
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "libc": " ".join(platform.libc_ver()),
+        **{package: version(package) for package in PACKAGES},
+    }
