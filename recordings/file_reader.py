@@ -1,6 +1,7 @@
 """Reads one file of a recording, as far as it goes. Nothing in it is believed that contradicts its checksum."""
 
 from bisect import bisect_right
+from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from operator import itemgetter
@@ -18,7 +19,7 @@ from recordings.outline import Outline, attached, indexed
 from recordings.reader import Recorded, names
 from recordings.records import record_of
 from recordings.source import Source
-from recordings.stored_chunk import HEAD, HEAD_DAMAGED, MESSAGE, StoredChunk, contents, records_in
+from recordings.stored_chunk import HEAD, HEAD_DAMAGED, MESSAGE, StoredChunk, contents, records_in, times_in
 from recordings.streams import Stream, Streams
 from recordings.walk import walked
 
@@ -65,8 +66,12 @@ class FileReader:
     ) -> Iterator[Entry]:
         """The messages of the wanted streams logged from `start_ns` on and before `end_ns`, by log time."""
         with Source(self.path) as source:
-            reading = _Reading(source, self._outline(source), wanted)
-            yield from reading.entries(start_ns, end_ns)
+
+            def look_again() -> Outline:
+                self._known = walked(source)
+                return self._known
+
+            yield from _Reading(source, self._outline(source), wanted, look_again).entries(start_ns, end_ns)
 
     def messages(
         self, topics: Collection[Topic] | None = None, start_ns: int | None = None, end_ns: int | None = None
@@ -116,8 +121,11 @@ def recorded(path: Path, entry: Entry) -> Recorded:
 class _Reading:
     """One pass through a file; holds the contents of one chunk at a time, of more only where they overlap in time."""
 
-    def __init__(self, source: Source, outline: Outline, wanted: Wanted | None) -> None:
+    def __init__(
+        self, source: Source, outline: Outline, wanted: Wanted | None, look_again: Callable[[], Outline]
+    ) -> None:
         self._source = source
+        self._look_again = look_again
         self._outline = outline
         self._wanted = wanted
         self._streams = Streams([*outline.schemas, *outline.channels])
@@ -126,30 +134,51 @@ class _Reading:
 
     def entries(self, start_ns: int | None, end_ns: int | None) -> Iterator[Entry]:
         waiting: list[Entry] = []
+        done: set[int] = set()
         passed = 0
-        for chunk in self._outline.chunks:
+        chunks = deque(self._outline.chunks)
+        while chunks:
+            chunk = chunks.popleft()
             if end_ns is not None and chunk.start_ns >= end_ns:
                 break
             if start_ns is None or chunk.end_ns >= start_ns:
                 due = bisect_right(waiting, chunk.start_ns, key=_log_time)
                 yield from waiting[:due]
                 del waiting[:due]
+                data = self._contents(chunk)
+                if data is None:
+                    if self._outline.indexed:
+                        # what the index points at is not there: the file itself has to tell
+                        self._outline = self._look_again()
+                        chunks = deque(chunk for chunk in self._outline.chunks if chunk.offset not in done)
+                    continue
                 for damage in self._outline.damage:
                     if passed <= damage.offset < chunk.offset:
                         self._continuity.breaks(damage)
-                waiting = sorted(waiting + self._messages(chunk, start_ns, end_ns), key=_log_time)
+                waiting = sorted(waiting + self._messages(chunk, data, start_ns, end_ns), key=_log_time)
+            done.add(chunk.offset)
             passed = chunk.offset
         yield from waiting
 
-    def _messages(self, chunk: StoredChunk, start_ns: int | None, end_ns: int | None) -> list[Entry]:
-        """The chunk's wanted messages; none, and a damage more, when it cannot be read."""
+    def _contents(self, chunk: StoredChunk) -> memoryview | None:
+        """What is in the chunk; None, and a damage more, when it is not what it should be."""
         try:
             data, sound = contents(self._source, chunk, checked=self._outline.checked)
         except DamagedRecordingError as error:
-            self._continuity.breaks(self._outline.note(chunk.offset, chunk.end, error.problem))
-            return []
+            self._outline.note(chunk.offset, chunk.end, error.problem)
+            return None
+        with suppress(ValueError):
+            if not sound and times_in(data) != (chunk.start_ns, chunk.end_ns):
+                self._outline.note(chunk.offset, chunk.end, "another chunk than the index names")
+                return None
         if not sound:
             self._outline.note(chunk.offset, chunk.body, HEAD_DAMAGED)
+        return data
+
+    def _messages(
+        self, chunk: StoredChunk, data: memoryview, start_ns: int | None, end_ns: int | None
+    ) -> list[Entry]:
+        """The wanted messages in a chunk's contents."""
         messages: list[Entry] = []
         numbers = Numbers()
         streams: dict[int, Stream | None] = {}

@@ -23,12 +23,13 @@ class Outline:
     """What a file holds, by place, and the damage that was seen so far.
 
     `strict`: it is held to what our own recorder writes. `checked`: chunks without a checksum are refused.
-    `schemas` and `channels` are those that stand outside of chunks.
+    `indexed`: it was taken from the file's index. `schemas` and `channels` are those that stand outside of chunks.
     """
 
     source: Source
     strict: bool
     checked: bool
+    indexed: bool = False
     chunks: list[StoredChunk] = field(default_factory=list)
     attachments: list[Place] = field(default_factory=list)
     metadata: list[Place] = field(default_factory=list)
@@ -76,7 +77,7 @@ def indexed(source: Source) -> Outline | None:
     if header is None or summary is None:
         return None
     strict = is_strict(header)
-    outline = Outline(source=source, strict=strict, checked=strict)
+    outline = Outline(source=source, strict=strict, checked=strict, indexed=True)
     pieces: list[tuple[int, int]] = []
     for record in summary.records:
         match record:

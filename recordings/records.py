@@ -103,15 +103,24 @@ def parsed(source: Source, place: Place, *, strict: bool) -> McapRecord | None:
     return record_of(source.read(place.offset, place.length), strict=strict)
 
 
+def is_whole(source: Source, place: Place) -> bool:
+    """True of an attachment all of whose lengths agree: it is damaged in its contents then, and ends where it says."""
+    if place.opcode != Opcode.ATTACHMENT or place.end > source.size or place.length > LARGEST_BYTES:
+        return False
+    try:
+        record = Attachment.read(ReadDataStream(BytesIO(source.read(place.offset + HEAD.size, place.length))))
+    except MALFORMED:
+        return False
+    return len(bytes_of(record)) == place.length
+
+
 def record_of(data: bytes, *, strict: bool) -> McapRecord | None:
     """The record that these bytes are, head included, when writing it again gives the same ones; else None."""
     try:
         record: McapRecord = KINDS[Opcode(data[0])].read(ReadDataStream(BytesIO(data[HEAD.size :])))
-        builder = RecordBuilder()
-        record.write(builder)
+        again = bytes_of(record)
     except MALFORMED:
         return None
-    again: bytes = builder.end()  # type: ignore[no-untyped-call]
     if isinstance(record, Attachment):
         # its last field is the checksum, which another producer may leave out
         unchecked = not strict and data[-LENGTH32.size :] == bytes(LENGTH32.size)
@@ -121,6 +130,14 @@ def record_of(data: bytes, *, strict: bool) -> McapRecord | None:
     if isinstance(record, Metadata) and same:
         same = unbroken(record.metadata) and (not strict or CHECKSUM in record.metadata)
     return record if same else None
+
+
+def bytes_of(record: McapRecord) -> bytes:
+    """The record as it stands in a file, head included."""
+    builder = RecordBuilder()
+    record.write(builder)
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data
 
 
 def header_of(source: Source) -> Header | None:

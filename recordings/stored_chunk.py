@@ -139,13 +139,19 @@ def _unpacked(data: memoryview, compression: str, size: int) -> memoryview:
     if compression == "lz4":
         size = lz4.frame.get_frame_info(data)["content_size"] or size
         _check_size(size)
-        return memoryview(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size))
+        decompressor = lz4.frame.LZ4FrameDecompressor()
+        unpacked = decompressor.decompress(data, max_length=size)
+        if not decompressor.eof or decompressor.unused_data:
+            raise ValueError("its compressed data do not end where it does")
+        return memoryview(unpacked)
     if compression == "zstd":
         parameters = zstandard.get_frame_parameters(data)
         known = parameters.content_size not in {0, zstandard.CONTENTSIZE_UNKNOWN}
         size = parameters.content_size if known else size
         _check_size(size)
-        return memoryview(zstandard.ZstdDecompressor().decompress(data, max_output_size=size))
+        return memoryview(
+            zstandard.ZstdDecompressor().decompress(data, max_output_size=size, allow_extra_data=False)
+        )
     raise ValueError(f"compression {compression!r} is not known; known are lz4, zstd and none")
 
 

@@ -11,8 +11,8 @@ from mcap.opcode import Opcode
 
 from recordings.errors import DamagedRecordingError
 from recordings.outline import NOT_AT_THE_BEGINNING, Outline, damaged, is_strict
-from recordings.records import INDEX_HEAD, Place, header_of, parsed, record_at, summary_of
-from recordings.search import believed, next_record, readable
+from recordings.records import INDEX_HEAD, Place, header_of, is_whole, parsed, record_at, summary_of
+from recordings.search import next_record, readable
 from recordings.source import MAGIC, Source, ends_with_magic
 from recordings.stored_chunk import (
     CRC_AT,
@@ -43,7 +43,7 @@ class _Walk:
         strict = is_strict(header_of(source))
         self.outline = Outline(source=source, strict=strict, checked=strict)
         self._source = source
-        self._heads: set[bytes] = set()
+        self._heads: dict[bytes, StoredChunk] = {}
         self._last = Place(opcode=0, offset=0, length=0)
         self._indexed_ns: dict[int, list[int]] = {}
         if summary := summary_of(source, strict=strict):
@@ -82,9 +82,11 @@ class _Walk:
     def _take(self, record: Place) -> int | None:
         """Put the record where it belongs; where the next should be, None at the end of the data."""
         outline, source = self.outline, self._source
+        self._last = record
+        chunk = chunk_at(source, record.offset) if record.opcode == Opcode.CHUNK else None
+        if chunk is not None:
+            return self._take_chunk(chunk)
         match record.opcode:
-            case Opcode.CHUNK:
-                self._take_chunk(record)
             case Opcode.MESSAGE_INDEX:
                 self._take_index(record)
             case Opcode.MESSAGE:
@@ -98,20 +100,25 @@ class _Walk:
                     outline.describe([described])
             case Opcode.DATA_END | Opcode.FOOTER:
                 return self._end(record)
-        self._last = record
         return record.end
 
-    def _take_chunk(self, record: Place) -> None:
-        chunk = chunk_at(self._source, record.offset)
-        if chunk is None:
-            return
-        self.outline.checked |= any(self._source.read(chunk.offset + CRC_AT, LENGTH32.size))
-        head = self._source.read(chunk.offset, chunk.body - chunk.offset)
-        if self.outline.checked and head in self._heads:
-            self.outline.note(record.offset, record.end, "a chunk that stands in the file twice")
-            return
-        self._heads.add(head)
-        self.outline.chunks.append(chunk)
+    def _take_chunk(self, chunk: StoredChunk) -> int | None:
+        """Put the chunk where it belongs, unless it is a copy; where the next record should be."""
+        outline, source = self.outline, self._source
+        outline.checked |= any(source.read(chunk.offset + CRC_AT, LENGTH32.size))
+        head = self._head(chunk)
+        twin = self._heads.get(head) if outline.checked else None
+        if twin is not None:
+            if not readable(source, chunk, checked=True):
+                return self._over(chunk.offset)
+            if readable(source, twin, checked=True):
+                outline.note(chunk.offset, chunk.end, "a chunk that stands in the file twice")
+                return chunk.end
+            outline.note(twin.offset, twin.end, damaged(Opcode.CHUNK))
+            outline.chunks.remove(twin)
+        self._heads[head] = chunk
+        outline.chunks.append(chunk)
+        return chunk.end
 
     def _take_index(self, record: Place) -> None:
         if self.outline.chunks:
@@ -154,44 +161,59 @@ class _Walk:
             return None
         following = self._next(record.end)
         end = following.offset if following else self._source.size
-        self.outline.note(record.end, end, "the index at the end of the file is damaged")
+        whole = ends_with_magic(self._source)
+        problem = (
+            "the index at the end of the file is damaged" if whole else "the file was cut off in its index"
+        )
+        self.outline.note(record.end, end, problem)
         return following.offset if following else None
 
     def _search(self, place: int) -> int | None:
-        """Over a damaged stretch to the next record that can be believed; where it stands, None when there is none."""
-        source, outline = self._source, self.outline
-        chunk = chunk_at(source, place)
-        if chunk is not None and readable(source, chunk, checked=True):
-            outline.note(chunk.offset, chunk.body, HEAD_DAMAGED)
-            self._take_chunk(Place(opcode=Opcode.CHUNK, offset=place, length=chunk.length))
-            return chunk.end
+        """From where no record can be to the next that can be believed; where it stands, None when there is none."""
+        chunk = chunk_at(self._source, place)
+        if chunk is not None and readable(self._source, chunk, checked=True):
+            self.outline.note(chunk.offset, chunk.body, HEAD_DAMAGED)
+            return self._take_chunk(chunk)
         begin = self._where_it_begins(place)
-        head = source.read(begin, HEAD.size)
-        opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, source.size)
-        following = self._record_at(begin + HEAD.size + length)
-        if following is None or not self._believed(following):
-            following = self._next(begin + 1)
-        if following is not None:
-            outline.note(begin, following.offset, damaged(opcode))
-            return following.offset
-        cut_off = not ends_with_magic(source) and begin + HEAD.size + length > source.size
-        outline.note(
-            begin,
-            source.size,
-            "the file was cut off in the middle of a record" if cut_off else damaged(opcode),
-        )
+        cut_off = self._claimed(place).end > self._source.size and not ends_with_magic(self._source)
+        if not cut_off or self._next(begin + 1):
+            return self._over(begin)
+        if self._claimed(begin).opcode == Opcode.CHUNK and begin < place:
+            self.outline.note(begin, place, damaged(Opcode.CHUNK))
+        self.outline.note(place, self._source.size, "the file was cut off in the middle of a record")
         return None
 
+    def _over(self, begin: int) -> int | None:
+        """Over a damaged stretch that begins here."""
+        record = self._claimed(begin)
+        following = self._next(record.end if is_whole(self._source, record) else begin + 1)
+        end = following.offset if following else self._source.size
+        self.outline.note(begin, end, damaged(record.opcode))
+        return following.offset if following else None
+
+    def _claimed(self, place: int) -> Place:
+        """The record that the bytes here claim to be."""
+        head = self._source.read(place, HEAD.size)
+        opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, self._source.size)
+        return Place(opcode=opcode, offset=place, length=HEAD.size + length)
+
     def _where_it_begins(self, place: int) -> int:
-        """Either here, or at the chunk before, when it was its length that led here; it is no chunk then."""
-        chunks = self.outline.chunks
-        led_here = chunks and self._last.end == place and chunks[-1].offset == self._last.offset
+        """Either here, or at the record before, when it is its length that cannot be believed."""
+        last, chunks = self._last, self.outline.chunks
+        if last.end != place:
+            return place
+        if last.opcode == Opcode.MESSAGE_INDEX:
+            return last.offset
+        led_here = bool(chunks) and chunks[-1].offset == last.offset
         if led_here and not readable(self._source, chunks[-1], checked=self.outline.checked):
+            del self._heads[self._head(chunks[-1])]
             return chunks.pop().offset
         return place
 
-    def _believed(self, place: Place) -> bool:
-        return believed(self._source, place, strict=self.outline.strict, checked=self.outline.checked)
+    def _head(self, chunk: StoredChunk) -> bytes:
+        """What no two chunks have in common. Opcode and length are left out: they may be damaged where the rest is not."""
+        begin = chunk.offset + HEAD.size
+        return self._source.read(begin, chunk.body - begin)
 
     def _next(self, offset: int) -> Place | None:
         return next_record(self._source, offset, strict=self.outline.strict, checked=self.outline.checked)
