@@ -29,6 +29,8 @@ END_TOLERANCE_MM = 0.5
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
+FAR_PX = 1e5
+"""A curve that fits nothing may lie anywhere, and be of any size; drawing takes no coordinates beyond this."""
 
 
 def residual_px(fit: Fit) -> float:
@@ -99,9 +101,9 @@ def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     edges = predicted_outline(camera, fit.curve)
     outline = np.vstack(
         [small_pixels(camera.project(edges.one)), small_pixels(camera.project(edges.other))[::-1]]
-    )
+    ).clip(-FAR_PX, FAR_PX)
     radius = float(np.median(np.linalg.norm(np.diff(outline.reshape(2, -1, 2), axis=0), axis=2))) / 2
-    rim = int(np.ceil(0.35 * radius))
+    rim = min(int(np.ceil(0.35 * radius)), min(mask.shape) // 4)
     tube = np.zeros_like(mask)
     for strip in range(curve.SAMPLES - 1):
         quad = outline[[strip, strip + 1, -2 - strip, -1 - strip]]

@@ -17,6 +17,7 @@ from nodal.demo.scenario import SHORTEST_S, Scenario
 from nodal.demo.telemetry import Telemetry
 from nodal.errors import CommandError, ReportError
 from nodal.running import stop_on_signals
+from recordings.errors import RecordingError
 
 LONGEST_S = 86_400.0
 INTERRUPTED = 130
@@ -71,7 +72,7 @@ def _report(folder: DemoFolder, bench: Bench, *, stopped: bool, as_json: bool) -
     print("nodal: making the report", file=sys.stderr)
     try:
         summary = write_report(folder.path, folder.recording, bench)
-    except ReportError as error:
+    except (ReportError, RecordingError) as error:
         if not stopped:
             raise
         print(f"nodal: stopped before there was anything to report: {error}", file=sys.stderr)

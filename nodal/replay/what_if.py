@@ -1,7 +1,7 @@
 """A new recording of what would have been: the old one's pictures, servos and requests, with estimates and commands made anew."""
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from itertools import count
@@ -47,7 +47,7 @@ MADE_ANEW = {
         topics.CONTROLLER_MEMORY,
     )
 }
-"""Topics of which nothing is kept; what was asked of the controller is answered anew."""
+"""Topics of which nothing is kept."""
 MEMORY_PERIOD_NS = 1_000_000_000
 NOTE = "REPLAY"
 """Name of the metadata that says what a recording is a replay of."""
@@ -84,7 +84,9 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
     }
     found = Comparison()
     with RecordingWriter(out, bench.settings.recorder) as recording:
-        imagined = _Imagined(recording, bench, controlled, estimates)
+        # where other nodal points are reported, those that an operator asked for were never asked for
+        services = {*SERVICES, *({topics.SENSING_NODES.key} if points else ())}
+        imagined = _Imagined(recording, bench, controlled, estimates, services)
         first = next(log.messages(), None)
         began_ns = first.log_time_ns if first else 0
         for name, data in bench.attachments().items():
@@ -116,8 +118,11 @@ class _Imagined:
         bench: Bench,
         controlled: ControlPart,
         estimates: Mapping[int, tuple[FrameSetRecord, ShapeEstimate, bytes]],
+        services: Collection[str],
     ) -> None:
+        """What was asked of these services is not kept; what was asked of the controller is answered anew."""
         self._recording = recording
+        self._services = services
         shapes = {capture_ns: estimate for capture_ns, (_, estimate, _) in estimates.items()}
         self._asked = controlled.asked
         self._memories = controlled.memories
@@ -152,7 +157,7 @@ class _Imagined:
 
     def _is_made_anew(self, recorded: Recorded) -> bool:
         if recorded.topic == topics.ASKED.key:
-            return read(recorded, Asked).service in SERVICES
+            return read(recorded, Asked).service in self._services
         if recorded.topic == topics.CONTROLLER_MEMORY.key:
             # the one that the first cycle begins with is kept
             return read(recorded, Memory).time_ns >= self._first_cycle_ns
