@@ -3,21 +3,33 @@
 import argparse
 from pathlib import Path
 
-SUMMARY = "what is inside: parts, topics with their rates, ages and drops, states, targets, versions"
+SUMMARY = (
+    "what is inside: files, topics with rates and losses, ages, states, targets, what was asked, versions"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The recording."""
-    parser.add_argument("log", type=Path, metavar="LOG", help="a recording; its later parts belong to it")
+    parser.add_argument(
+        "log",
+        type=Path,
+        metavar="LOG",
+        help="a recording; its later parts belong to it; or a folder that holds one",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the page."""
-    from collections import Counter  # noqa: PLC0415
+    import msgspec  # noqa: PLC0415
 
-    from recordings import Log  # noqa: PLC0415
+    from nodal.log.choosing import one_log  # noqa: PLC0415
+    from nodal.log.page import as_builtins, as_text  # noqa: PLC0415
+    from nodal.log.survey import survey  # noqa: PLC0415
 
-    log = Log(arguments.log)
-    for topic, count in sorted(Counter(one.topic for one in log.messages()).items()):
-        print(f"{topic:28} {count:8}")
+    found = survey(one_log(arguments.log))
+    if arguments.json:
+        print(msgspec.json.format(msgspec.json.encode(as_builtins(found)), indent=1).decode())
+    else:
+        print(as_text(found))
     return 0

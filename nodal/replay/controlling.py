@@ -56,7 +56,8 @@ def verify(part: ControlPart, bench: Bench) -> Comparison:
         try:
             inputs = inputs_of(logged, part, None)
         except Unseen as reason:
-            state, unknown = None, str(reason)
+            # what broke the chain first is why nothing is known
+            state, unknown = None, unknown if state is None else str(reason)
         if state is None or inputs is None:
             found += skipped(STATE_KEY, unknown)
         else:

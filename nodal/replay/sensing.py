@@ -69,6 +69,10 @@ class _Carried:
         """Sensing starts: it remembers nothing."""
         self.points, self.track, self.unknown = self._configured, None, ""
 
+    def lose(self, reason: str) -> None:
+        """The chain breaks here; if it was broken before, that is why nothing is known."""
+        self.unknown = self.unknown or reason
+
     def recall(self, logged: Memory) -> None:
         """Take a logged memory for granted."""
         try:
@@ -98,9 +102,9 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
         if record.publication == 0:
             carried.begin()
         elif last is not None and record.publication != last.publication + 1:
-            carried.unknown = "an estimate between the memory and it is missing from the log"
+            carried.lose("an estimate between the memory and it is missing from the log")
         if jpegs is None:
-            carried.unknown = "a frame is missing from the log"
+            carried.lose("a frame is missing from the log")
         carried.points = _named(part.named, named_since_ns, record.publish_time_ns) or carried.points
         if carried.unknown or jpegs is None or record.estimate is None:
             found += skipped(KEY, carried.unknown)
