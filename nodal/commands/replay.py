@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from nodal.replay.live_arguments import add_live_arguments, refuse_mixture
+from nodal.replay.live.arguments import add_live_arguments, refuse_mixture
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay; see the epilog for the exit status."""
     refuse_mixture(arguments)
     if arguments.live:
-        from nodal.replay.live import replay_live  # noqa: PLC0415
+        from nodal.replay.live.playing import replay_live  # noqa: PLC0415
 
         return replay_live(arguments)
     from nodal.replay.request import Request, replay  # noqa: PLC0415

@@ -24,12 +24,12 @@ from nodal.__main__ import main
 from nodal.bench_file import bench_path, load_bench
 from nodal.errors import CommandError, ReplayError
 from nodal.log.spans import Span
-from nodal.replay.live import Playing, play
-from nodal.replay.live_arguments import add_live_arguments
-from nodal.replay.live_guard import Guard
-from nodal.replay.live_order import by_publication, read_ahead, timeline
-from nodal.replay.live_pace import Lateness
-from nodal.replay.live_topics import DEFAULT, chosen
+from nodal.replay.live.arguments import add_live_arguments
+from nodal.replay.live.guard import Guard
+from nodal.replay.live.order import by_publication, read_ahead, timeline
+from nodal.replay.live.pace import Lateness
+from nodal.replay.live.playing import Playing, play
+from nodal.replay.live.topics import DEFAULT, chosen
 from nodal.toml_file import read_table, written
 from recordings.log import Log
 from recordings.reader import Recorded
@@ -358,7 +358,7 @@ def test_who_comes_later_ends_the_replay(bus, recording, stop, zenoh_settings):
 
 
 def test_without_a_rendezvous_nobody_hears_and_that_is_said(zenoh_settings, monkeypatch):
-    monkeypatch.setattr("nodal.replay.live_guard.MEET_WITHIN_S", 0.2)
+    monkeypatch.setattr("nodal.replay.live.guard.MEET_WITHIN_S", 0.2)
     with (
         open_session(zenoh_settings, "simulated", "replay-1") as session,
         pytest.raises(ReplayError, match="no rendezvous of bench simulated answers at there"),

@@ -23,10 +23,10 @@ from messaging.topics import Topic
 from nodal.bench_file import BenchSettings, load_bench, recorded_bench
 from nodal.errors import ReplayError
 from nodal.log.spans import Span, span_of
-from nodal.replay.live_guard import REPLAY, Guard
-from nodal.replay.live_order import read_ahead, timeline
-from nodal.replay.live_pace import Pace
-from nodal.replay.live_topics import DEFAULT, chosen
+from nodal.replay.live.guard import REPLAY, Guard
+from nodal.replay.live.order import read_ahead, timeline
+from nodal.replay.live.pace import Pace
+from nodal.replay.live.topics import DEFAULT, chosen
 from nodal.running import stop_on_signals
 from recordings.log import Log
 from recordings.reader import Recorded, topic_of

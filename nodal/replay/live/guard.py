@@ -7,7 +7,7 @@ from threading import Event
 from messaging.session import Presence
 from messaging.topics import Topic
 from nodal.errors import ReplayError
-from nodal.replay.live_topics import moves_a_robot, speakers
+from nodal.replay.live.topics import moves_a_robot, speakers
 
 CONTROLLER, RENDEZVOUS = "controller", "rendezvous"
 REPLAY = "replay-"
