@@ -9,7 +9,8 @@ import struct
 import zlib
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Protocol
 
 from mcap.data_stream import RecordBuilder
@@ -77,10 +78,14 @@ class McapFile:
         self._introduce(schema)
         return schema.id
 
-    def channel(self, topic: str, encoding: str, schema_id: int) -> int:
-        """Make a channel known; its number."""
+    def channel(
+        self, topic: str, encoding: str, schema_id: int, metadata: Mapping[str, str] = MappingProxyType({})
+    ) -> int:
+        """Make a channel known; its number. `schema_id` is 0 for messages without a schema."""
         number = len(self._channels) + 1
-        channel = Channel(id=number, topic=topic, message_encoding=encoding, metadata={}, schema_id=schema_id)
+        channel = Channel(
+            id=number, topic=topic, message_encoding=encoding, metadata=dict(metadata), schema_id=schema_id
+        )
         self._channels.append(channel)
         self._introduce(channel)
         return number

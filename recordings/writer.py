@@ -44,8 +44,7 @@ class RecordingWriter:
 
     def attach(self, name: str, data: bytes, time_ns: int) -> None:
         """Put a file into the recording."""
-        media_type = MEDIA_TYPES.get(Path(name).suffix, "text/plain")
-        self._mcap.attachment(name, media_type, data, time_ns)
+        self._mcap.attachment(name, media_type(name), data, time_ns)
 
     def describe(self, name: str, facts: Mapping[str, str]) -> None:
         """Add a metadata record, with its checksum."""
@@ -123,3 +122,8 @@ class RecordingWriter:
             self._schemas[name] = self._mcap.schema(name, SchemaEncoding.Protobuf, described)
         self._channels[key] = self._mcap.channel(key, MessageEncoding.Protobuf, self._schemas[name])
         return self._channels[key]
+
+
+def media_type(name: str) -> str:
+    """Of an attached file, by its name."""
+    return MEDIA_TYPES.get(Path(name).suffix, "text/plain")

@@ -3,7 +3,7 @@
 import argparse
 import importlib
 
-SUBCOMMANDS = ("info", "check", "export", "plot")
+SUBCOMMANDS = ("info", "check", "recover", "cut", "export", "plot")
 """Each is a file of nodal/log with SUMMARY, add_arguments and run, as the files of nodal/commands are."""
 
 
