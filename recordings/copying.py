@@ -6,13 +6,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from recordings.chunk import Packing
 from recordings.file_reader import Entry
 from recordings.mcap_file import McapFile
 from recordings.metadata import sealed
 from recordings.output import Output
 from recordings.streams import Stream
-from recordings.writer import media_type
+from recordings.writer import PACKINGS, media_type
 
 CHUNK_BYTES = 2**20
 
@@ -20,14 +19,14 @@ CHUNK_BYTES = 2**20
 class Copy:
     """A new recording made of others; used in a `with` statement, which finishes it unless something went wrong.
 
-    Raises RecordingExistsError when the file exists, and DiskFullError or UnwritableError at any time.
+    It is compressed when they are. Raises RecordingExistsError when the file exists, and DiskFullError or UnwritableError at any time.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, compressed: bool) -> None:
         self.messages: Counter[str] = Counter()
         self.span_ns: tuple[int, int] | None = None
         self._output = Output(path)
-        self._file = McapFile(self._output, CHUNK_BYTES, Packing())
+        self._file = McapFile(self._output, CHUNK_BYTES, PACKINGS["lz4" if compressed else "none"])
         self._schemas: dict[tuple[str, str, bytes], int] = {}
         self._channels: dict[Stream, int] = {}
 

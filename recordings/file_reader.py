@@ -58,6 +58,13 @@ class FileReader:
             chunks = self._outline(source).chunks
         return (chunks[0].start_ns, max(chunk.end_ns for chunk in chunks)) if chunks else None
 
+    @property
+    def compression(self) -> str:
+        """MCAP's name of how its first chunk is stored; empty when it is not compressed."""
+        with Source(self.path) as source:
+            chunks = self._outline(source).chunks
+        return chunks[0].compression if chunks else ""
+
     def entries(
         self,
         wanted: Wanted | None = None,

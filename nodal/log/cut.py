@@ -73,6 +73,8 @@ def _cuts(log: "Log", arguments: argparse.Namespace) -> list[tuple[int, int, Pat
     if by_time == bool(around):
         raise CommandError("say what to cut: either --from or --until or both, or --around an event")
     span = span_of(log, arguments)
+    if by_time and span.start_ns >= span.end_ns:
+        raise CommandError(f"--from {arguments.from_moment.text}: the recording has ended by then")
     if by_time:
         return [(max(span.start_ns, span.beginning_ns), span.end_ns, out)]
     times = times_of(log, around)

@@ -19,6 +19,8 @@ from recordings.streams import Stream
 OWN_NOTES = ("PART", "SUMMARY")
 """Metadata that hold of one file only."""
 
+COMPRESSIONS = ("lz4", "zstd")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Derived:
@@ -67,7 +69,7 @@ def cut(log: Log, start_ns: int, end_ns: int, out: Path) -> Derived:
 def _copy(log: Log, out: Path, because: str, repeated: int) -> Iterator[Copy]:
     """A new recording with the attachments and metadata of another; it has its name only once it is whole."""
     begin_ns = (log.span_ns or (0, 0))[0]
-    with new_file(out) as draft, Copy(draft) as copy:
+    with new_file(out) as draft, Copy(draft, compressed=_is_compressed(log)) as copy:
         copy.attach(log.attachments, begin_ns)
         for name, facts in _notes(log).items():
             copy.describe(name, facts)
@@ -83,6 +85,10 @@ def _notes(log: Log) -> Mapping[str, Mapping[str, str]]:
     for file in log.files:
         notes |= {name: facts for name, facts in file.metadata().items() if name not in OWN_NOTES}
     return notes
+
+
+def _is_compressed(log: Log) -> bool:
+    return any(file.compression in COMPRESSIONS for file in log.files)
 
 
 def _is_said_seldom(stream: Stream) -> bool:

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-PAUSE_PERIODS, PAUSE_S = 20, 1.0
-"""So long a silence is a pause, which says nothing about the rate: so many expected periods, or so many seconds."""
+PAUSE_PERIODS, PAUSE_S = 10, 1.0
+"""So long a silence is a pause, which says nothing about the rate: so many expected periods; seconds where none is expected."""
 RENUMBERED = 2**31
 CLOCK_STEP_NS = 1_000_000
 
@@ -59,7 +59,7 @@ class Traffic:
     def rate_hz(self) -> float | None:
         """While it was being said: pauses are left out. None when that cannot be told."""
         pause_s = PAUSE_PERIODS / self.expected_hz if self.expected_hz else PAUSE_S
-        gaps_s = self._gaps_s[(self._gaps_s >= 0) & (self._gaps_s < max(pause_s, PAUSE_S))]
+        gaps_s = self._gaps_s[(self._gaps_s >= 0) & (self._gaps_s < pause_s)]
         return len(gaps_s) / float(gaps_s.sum()) if gaps_s.sum() > 0 else None
 
     @cached_property
