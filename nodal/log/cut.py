@@ -5,14 +5,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodal.errors import CommandError
-from nodal.log.events import ALLOWED, event
 from nodal.log.spans import add_span_arguments
 
 if TYPE_CHECKING:
+    from nodal.log.events import Wanted
     from recordings import Log
 
 SUMMARY = (
     "write a stretch of it, by time or around an event, into a recording of its own that can be replayed"
+)
+
+EVENTS = (
+    "fault, hold, state, target, asked, flag, refusal, warning, restart; or one of them by name, such as state:tracking, "
+    "target:circle, flag:tip_unseen"
 )
 
 
@@ -33,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the new file; it must not exist yet. With --which all: OUT-1, OUT-2 and so on",
     )
     add_span_arguments(parser)
-    parser.add_argument("--around", type=event, metavar="EVENT", help=f"instead of times: {ALLOWED}")
+    parser.add_argument("--around", type=_event, metavar="EVENT", help=f"instead of times: {EVENTS}")
     parser.add_argument(
         "--before", type=_duration, default=5.0, metavar="S", help="seconds before the event (default 5)"
     )
@@ -94,6 +99,12 @@ def _cuts(log: "Log", arguments: argparse.Namespace) -> list[tuple[int, int, Pat
         )
         for time_ns, path in zip(chosen, outs, strict=True)
     ]
+
+
+def _event(text: str) -> "Wanted":
+    from nodal.log.events import event  # noqa: PLC0415  brings messages with it, which help does without
+
+    return event(text)
 
 
 def _duration(text: str) -> float:

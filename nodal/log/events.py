@@ -2,22 +2,62 @@
 
 import argparse
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from itertools import groupby, pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
+from messaging import topics
+from messaging.control import State
+from messaging.errors import CodecError
+from messaging.message import parse
+from messaging.topics import Topic
 from nodal.errors import CommandError
+from recordings import Log
 
-if TYPE_CHECKING:
-    from nodal.report.findings import Findings
-    from recordings import Log
+WARNING = 3
+"""Level of foxglove.Log from which on a line warns or worse."""
 
-KINDS = ("fault", "hold", "state", "target", "asked", "flag", "refusal", "restart", "warning")
-"""`hold` is one that no operator asked for; flags and refusals happen where they begin, and so do faults and states."""
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """Events that messages of one topic tell of. `names` are those that hold in a message (protobuf); "" has no name.
+
+    An event that `lasts` happens where its name begins to hold; any other in each message.
+    """
+
+    topic: Topic
+    names: Callable[[Any], Iterable[str]]
+    lasts: bool
+
+
+def _only_if(holds: Callable[[Any], bool]) -> Callable[[Any], Iterable[str]]:
+    return lambda said: [""] if holds(said) else []
+
+
+KINDS = {
+    "fault": Kind(
+        topic=topics.CONTROLLER_STATE, names=_only_if(lambda said: said.state == State.FAULT), lasts=True
+    ),
+    "hold": Kind(
+        topic=topics.CONTROLLER_STATE,
+        names=_only_if(lambda said: said.state == State.HOLD and "operator" not in said.reason),
+        lasts=True,
+    ),
+    "state": Kind(topic=topics.CONTROLLER_STATE, names=lambda said: [said.state], lasts=True),
+    "target": Kind(topic=topics.TARGET, names=lambda said: [said.name], lasts=False),
+    "asked": Kind(topic=topics.ASKED, names=lambda said: [said.service], lasts=False),
+    "flag": Kind(topic=topics.SHAPE, names=lambda said: said.flags, lasts=True),
+    "refusal": Kind(topic=topics.SHAPE, names=_only_if(lambda said: bool(said.refusal)), lasts=True),
+    "warning": Kind(
+        topic=topics.LOG, names=lambda said: [said.name] if said.level >= WARNING else [], lasts=False
+    ),
+}
+RESTART = "restart"
+ONE_VOICE = (topics.SHAPE, topics.CONTROLLER_STATE, topics.TRUTH)
+"""Topics by whose numbers a process is told that began anew."""
 ALLOWED = (
-    f"{', '.join(KINDS)}; or one of them by name: state:NAME, target:NAME, asked:SERVICE, flag:NAME, "
-    "restart:PROCESS, warning:PROCESS"
+    f"{', '.join(KINDS)}, {RESTART}; or one of them by name: state:NAME, target:NAME, asked:SERVICE, flag:NAME, "
+    "warning:PROCESS, restart:PROCESS"
 )
 
 
@@ -30,82 +70,53 @@ class Wanted:
     name: str
 
 
-@dataclass(frozen=True, kw_only=True)
-class Event:
-    """When something happened (Unix ns); `name` tells those of one kind apart, where they have one."""
-
-    time_ns: int
-    kind: str
-    name: str = ""
-
-    def __str__(self) -> str:
-        """As it is asked for."""
-        return f"{self.kind}:{self.name}" if self.name else self.kind
-
-
 def event(text: str) -> Wanted:
     """What `fault` or `state:tracking` asks for; raises ArgumentTypeError."""
     kind, _, name = text.partition(":")
-    if kind not in KINDS:
+    if kind not in (*KINDS, RESTART):
         raise argparse.ArgumentTypeError(f"{text!r} is no event; allowed are {ALLOWED}")
     return Wanted(text=text, kind=kind, name=name)
 
 
-def times_of(log: "Log", wanted: Wanted) -> list[int]:
-    """When it happened in this recording, Unix ns; raises CommandError when it did not, naming what did."""
-    from nodal.report.findings import Findings  # noqa: PLC0415
-    from nodal.report.loading import load_run  # noqa: PLC0415
-
-    found = events(Findings(load_run(log)))
-    times_ns = [one.time_ns for one in found if one.kind == wanted.kind and wanted.name in ("", one.name)]
+def times_of(log: Log, wanted: Wanted) -> list[int]:
+    """When it happened in this recording (log times, Unix ns); raises CommandError when it did not, naming what did."""
+    found = happened(log, wanted.kind)
+    times_ns = [time_ns for time_ns, name in found if wanted.name in ("", name)]
     if not times_ns:
-        raise CommandError(f"{log.path}: {wanted.text} does not occur; {_occurring(found)}")
-    return times_ns
+        raise CommandError(f"{log.path}: {wanted.text} does not occur; {_occurring(log)}")
+    # one message may tell of several, by different names
+    return sorted(set(times_ns))
 
 
-def events(findings: "Findings") -> list[Event]:
-    """Everything that happened, in order of time."""
-    run = findings.run
-    found = [
-        *_states(findings),
-        *_doubts(findings),
-        *(Event(time_ns=hold.begin_ns, kind="hold") for hold in findings.waits),
-        *(Event(time_ns=one.time_ns, kind="target", name=one.target.name) for one in run.accepted),
-        *(Event(time_ns=asked.time_ns, kind="asked", name=asked.service) for asked in run.asked),
-        *(Event(time_ns=time_ns, kind="restart", name=who) for time_ns, who in run.restarts),
-        *(Event(time_ns=line.time_ns, kind="warning", name=line.process) for line in findings.warnings),
-    ]
-    return sorted(found, key=lambda one: one.time_ns)
+def happened(log: Log, word: str) -> Iterator[tuple[int, str]]:
+    """When events of this kind happened (log times, Unix ns), and their names; what cannot be read tells nothing."""
+    if word == RESTART:
+        yield from _restarts(log)
+        return
+    kind = KINDS[word]
+    before: set[str] = set()
+    for recorded in log.messages([kind.topic]):
+        try:
+            names = set(kind.names(parse(kind.topic.type.protobuf, recorded.payload)))
+        except CodecError:
+            continue
+        for name in sorted(names - before if kind.lasts else names):
+            yield recorded.log_time_ns, name
+        before = names
 
 
-def _occurring(found: Sequence[Event]) -> str:
-    counts = Counter(map(str, found))
+def _restarts(log: Log) -> Iterator[tuple[int, str]]:
+    newest: dict[str, int] = {}
+    said_by = {topic.key: topic.said_by for topic in ONE_VOICE}
+    for recorded in log.messages(ONE_VOICE):
+        if recorded.sequence < newest.get(recorded.topic, 0):
+            yield recorded.log_time_ns, said_by[recorded.topic]
+        newest[recorded.topic] = recorded.sequence
+
+
+def _occurring(log: Log) -> str:
+    counts = Counter(
+        f"{word}:{name}" if name else word for word in (*KINDS, RESTART) for _, name in happened(log, word)
+    )
     told = ", ".join(name if count == 1 else f"{name} ({count} times)" for name, count in counts.items())
     return f"what does: {told}" if told else "no event does"
-
-
-def _states(findings: "Findings") -> Iterator[Event]:
-    """Each change of the controller's state. A fault has a name of its own as well."""
-    for state, stretches in groupby(findings.stretches, key=lambda stretch: stretch.state):
-        first = next(stretches)
-        yield Event(time_ns=first.begin_ns, kind="state", name=str(state))
-        if first in findings.faults:
-            yield Event(time_ns=first.begin_ns, kind="fault")
-
-
-def _doubts(findings: "Findings") -> Iterator[Event]:
-    """Where each flag, and refusals, begin."""
-    shapes = findings.run.shapes
-    captured_ns = [shape.capture_time_ns for shape in shapes]
-    for flag in findings.flags:
-        for time_ns in _begun(captured_ns, [flag in shape.flags for shape in shapes]):
-            yield Event(time_ns=time_ns, kind="flag", name=flag)
-    for time_ns in _begun(captured_ns, [bool(shape.refusal) for shape in shapes]):
-        yield Event(time_ns=time_ns, kind="refusal")
-
-
-def _begun(times_ns: Sequence[int], true: Sequence[bool]) -> Iterator[int]:
-    """The times of those that are true and follow one that is not."""
-    for time_ns, (before, now) in zip(times_ns, pairwise([False, *true]), strict=True):
-        if now and not before:
-            yield time_ns
