@@ -83,6 +83,8 @@ def _losses(survey: Survey) -> Iterator[Finding]:
     for key in sorted(survey.lost.keys() | survey.traffic.keys()):
         counted_lost = survey.lost.get(key, 0)
         missing = survey.missing(key) or 0 if key in survey.traffic else 0
+        # what a damaged place took is told of there
+        missing = max(0, missing - sum(damage.missing[key] for damage in survey.log.damage))
         if counted_lost or missing:
             yield Finding(
                 "losses",
