@@ -271,3 +271,26 @@ def test_attachments_and_metadata_are_whole_or_left_out(made, spoilt):
         known = reader.metadata()
         assert known.get("VERSIONS", {"nodal": "0"})["nodal"] == "0"
         assert len(known) + len(reader.attachments()) >= (2 if len(data) == len(made.data) else 1)
+
+
+def test_changed_metadata_is_left_out_and_named(made, spoilt):
+    place = made.data.index(b"nodal", made.data.index(b"VERSIONS")) + 9
+    assert made.data[place : place + 1] == b"0"
+    for size in (len(made.data), made.chunks[-1][1]):
+        data = bytearray(made.data[:size])
+        data[place] ^= 1
+        reader = check(made, spoilt, data, lambda _, end, size=size: end <= size)
+        assert "VERSIONS" not in reader.metadata()
+        assert "a damaged record: metadata" in {damage.problem for damage in reader.damage}
+
+
+def test_what_looks_like_a_chunk_inside_a_damaged_one_hides_none_behind_it(made, spoilt):
+    cut = made.chunks[-1][1]
+    (begin, end, _), (_, far, _) = made.chunks[2], made.chunks[6]
+    length = far - (begin + 200) - 9
+    lie = b"\x06" + length.to_bytes(8, "little") + bytes(28) + bytes(4) + (length - 40).to_bytes(8, "little")
+    data = bytearray(made.data[:cut])
+    data[begin : begin + 9] = bytes(9)
+    data[begin + 200 : begin + 200 + len(lie)] = lie
+    assert begin + 200 + len(lie) < end
+    check(made, spoilt, data, lambda first, last: first != begin and last <= cut)
