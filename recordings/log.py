@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from messaging.topics import Topic
 from recordings.damage import Damage
-from recordings.errors import UnreadableError
+from recordings.errors import DamagedRecordingError, UnreadableError
 from recordings.file_reader import Entry, FileReader, Wanted, of_topics, recorded
 from recordings.metadata import CHECKSUM
 from recordings.parts import absent_parts, parts
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class Log:
     """The recording at this path with the parts that follow it; a path that names a later part is that part alone.
 
-    Raises UnreadableError when there is no such file; every method raises it too, and DamagedRecordingError for a file that
+    Raises UnreadableError when there is no such file, which every method does too, and DamagedRecordingError for a file that
     is no recording at all. Damage is no error: what can be read is handed out, and `damage` says what cannot. Times are log
     times, Unix ns.
     """
@@ -33,7 +33,10 @@ class Log:
         self.parts = parts(self.path)
         if not self.parts:
             raise UnreadableError(self.path, "there is no such recording")
-        self.files = [FileReader(part) for part in self.parts]
+        self.files: list[FileReader] = []
+        self._hopeless: list[Damage] = []
+        for part in self.parts:
+            self._open(part)
 
     @property
     def damage(self) -> list[Damage]:
@@ -42,7 +45,20 @@ class Log:
             Damage(path=path, offset=0, length=0, problem="this part of the recording is not there")
             for path in absent_parts(self.path)
         ]
-        return absent + [damage for file in self.files for damage in file.damage]
+        return absent + self._hopeless + [damage for file in self.files for damage in file.damage]
+
+    def _open(self, part: Path) -> None:
+        """Take up a part, or note that nothing of it can be read: that keeps nobody from the other parts."""
+        file = FileReader(part)
+        try:
+            file.metadata()
+        except DamagedRecordingError as error:
+            if len(self.parts) == 1:
+                raise
+            length = part.stat().st_size
+            self._hopeless.append(Damage(path=part, offset=0, length=length, problem=error.problem))
+            return
+        self.files.append(file)
 
     @property
     def span_ns(self) -> tuple[int, int] | None:

@@ -61,8 +61,18 @@ def next_number(path: Path) -> int:
     return numbers[-1] + 1
 
 
+def would_be_part(file: Path, path: Path) -> bool:
+    """Whether this file would be taken for a later part of the recording at `path`."""
+    file, path = file.resolve(), path.resolve()
+    return file.parent == path.parent and _later(path).fullmatch(file.name) is not None
+
+
+def _later(path: Path) -> re.Pattern[str]:
+    return re.compile(rf"{re.escape(path.stem)}\.part([1-9]\d*){re.escape(path.suffix)}")
+
+
 def _numbers(path: Path) -> list[int]:
-    later = re.compile(rf"{re.escape(path.stem)}\.part([1-9]\d*){re.escape(path.suffix)}")
+    later = _later(path)
     names = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
     numbers = [int(match[1]) for name in names if (match := later.fullmatch(name))]
     return [1] * path.exists() + sorted(number for number in numbers if number > 1)

@@ -1,12 +1,22 @@
 """What is to be said against a recording: one finding a line. Pure."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 from messaging.control import State
-from messaging.topics import CAMERA, SHAPE, TENDON_COMMAND
-from nodal.bench_file import BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT
+from messaging.errors import NodalError
+from messaging.topics import (
+    CAMERA,
+    CONTROLLER_MEMORY,
+    CONTROLLER_STATE,
+    SENSING_MEMORY,
+    SHAPE,
+    TENDON_COMMAND,
+    TRUTH,
+)
+from nodal.bench_file import recorded_bench
 from nodal.log.lines import counted, hertz, seconds, utc
 from nodal.log.survey import Survey
 from nodal.log.traffic import Silence, without_partner
@@ -16,6 +26,10 @@ LEAST_RATE = 0.9
 """Of what is expected; below it a topic is too slow."""
 LARGEST_SHARE = 0.05
 """Of all shapes that may be flagged, refused or old before it is worth a finding."""
+PERIODS_MISSED = 3.5
+"""A topic may be silent for as many periods of its bench, also where the table of topics would have it sooner."""
+ONE_VOICE = (SHAPE, CONTROLLER_STATE, TRUTH)
+"""Topics of which one process says one a step, by which its restarts are told."""
 MOVING = {State.HOMING, State.TRACKING}
 """States in which commands follow one another without a pause."""
 
@@ -33,9 +47,11 @@ def findings(survey: Survey) -> list[Finding]:
     sources = (
         _files,
         _damage,
+        _faults,
+        _restarts,
         _times,
         _losses,
-        _attachments,
+        _replay,
         _rates,
         _silences,
         _partners,
@@ -92,10 +108,34 @@ def _losses(survey: Survey) -> Iterator[Finding]:
             )
 
 
-def _attachments(survey: Survey) -> Iterator[Finding]:
-    for name in (BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT):
-        if name not in survey.log.attachments:
-            yield Finding("attachment", f"{name} is not attached; every recording of a bench has it")
+def _faults(survey: Survey) -> Iterator[Finding]:
+    for spell in survey.spells:
+        if spell.state == State.FAULT:
+            yield Finding(
+                "fault", f"at {survey.second(spell.begin_ns):.3f} s ({utc(spell.begin_ns)}): {spell.reason}"
+            )
+
+
+def _restarts(survey: Survey) -> Iterator[Finding]:
+    for topic in ONE_VOICE:
+        for restart in survey.traffic[topic.key].restarts if topic.key in survey.traffic else ():
+            yield Finding(
+                "restart",
+                f"{topic.said_by} began anew; silent for {seconds(restart.lasted_s)} at {_at(survey, restart)}",
+            )
+
+
+def _replay(survey: Survey) -> Iterator[Finding]:
+    """What it lacks for being replayed."""
+    try:
+        recorded_bench(survey.log.path, survey.log.attachments, {})
+    except NodalError as error:
+        yield Finding("replay", f"no replay without a bench: {error}")
+    for said, memory in ((SHAPE, SENSING_MEMORY), (CONTROLLER_STATE, CONTROLLER_MEMORY)):
+        if said.key in survey.heard and memory.key not in survey.heard:
+            yield Finding(
+                "replay", f"{memory.key}: none; without it {said.key} can be replayed from a start only"
+            )
 
 
 def _rates(survey: Survey) -> Iterator[Finding]:
@@ -110,14 +150,15 @@ def _silences(survey: Survey) -> Iterator[Finding]:
         topic = topic_of(key)
         if topic is None or topic.maximum_age_s is None:
             continue
-        silences = traffic.silences(topic.maximum_age_s)
+        limit_s = max(topic.maximum_age_s, PERIODS_MISSED / (traffic.expected_hz or math.inf))
+        silences = traffic.silences(limit_s)
         if topic == TENDON_COMMAND:
             silences = [silence for silence in silences if _moving(survey, silence)]
         if silences:
             longest = max(silences, key=lambda silence: silence.lasted_s)
             yield Finding(
                 "stale",
-                f"{key}: silent {counted(len(silences), 'time')} for more than {topic.maximum_age_s:g} s, "
+                f"{key}: silent {counted(len(silences), 'time')} for more than {limit_s:.3g} s, "
                 f"longest {seconds(longest.lasted_s)} at {_at(survey, longest)}; expected never",
             )
 
@@ -140,7 +181,7 @@ def _shapes(survey: Survey) -> Iterator[Finding]:
     for number, what in (
         (survey.suspicious, f"flagged ({flags})"),
         (survey.refused, "refused"),
-        (old, f"older than {limit_s:g} s when published"),
+        (old, f"older than {limit_s:.3g} s when published"),
     ):
         if number > LARGEST_SHARE * count:
             yield Finding(

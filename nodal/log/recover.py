@@ -27,11 +27,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write it; what is in it is said on stdout, what is missing on stderr."""
+    from nodal.errors import CommandError  # noqa: PLC0415
     from nodal.log.choosing import one_log  # noqa: PLC0415
     from nodal.log.deriving import recovered  # noqa: PLC0415
     from nodal.log.lines import derived_in_words  # noqa: PLC0415
+    from recordings.parts import would_be_part  # noqa: PLC0415
 
     log = one_log(arguments.log)
+    if would_be_part(arguments.output, log.path):
+        raise CommandError(f"-o {arguments.output}: that name would make it a part of {log.path}")
     print(derived_in_words(recovered(log, arguments.output)))
     for damage in log.damage:
         print(f"nodal: warning: {damage}", file=sys.stderr)

@@ -81,6 +81,15 @@ class Traffic:
         return int((steps[(steps > 1) & (steps < RENUMBERED)] - 1).sum())
 
     @cached_property
+    def restarts(self) -> list[Silence]:
+        """Where its numbers fall back, because its only publisher began anew."""
+        steps = np.diff(np.array(self.heard.sequence, np.int64))
+        return [
+            Silence(int(self._publish_ns[index]), int(self._publish_ns[index + 1]))
+            for index in np.flatnonzero((steps < 0) & (steps > -RENUMBERED))
+        ]
+
+    @cached_property
     def set_back(self) -> list[Silence]:
         """Where the publisher's clock was set back: publish times decrease by more than a millisecond."""
         return [

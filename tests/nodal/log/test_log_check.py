@@ -84,8 +84,39 @@ def test_frames_without_a_partner_are_counted(check, quiet, tmp_path):
 def test_missing_attachments_are_named(check, quiet, tmp_path):
     status, told = check(changed(quiet, tmp_path / "log.mcap", attached=False))
     assert status == UNHEALTHY
-    assert "bench.toml" in told
-    assert "calibration.json" in told
+    assert "no bench.toml is attached" in told
+
+
+@pytest.mark.parametrize("key", ["sensing/memory", "controller/memory"])
+def test_what_a_replay_would_lack_is_found(check, quiet, tmp_path, key):
+    log = changed(quiet, tmp_path / "log.mcap", keep=lambda entry: entry.stream.topic != key)
+    status, told = check(log)
+    assert status == UNHEALTHY
+    assert f"{key}: none" in told
+
+
+def test_faults_and_restarts_are_told(check):
+    _, told = check(RUN)
+    assert "no trusted shape for 1.01 s, 1 s are allowed" in told
+    assert "restart  sensing began anew; silent for 1." in told
+
+
+def test_one_that_cannot_be_read_keeps_nobody_from_the_others(quiet, tmp_path, capsys):
+    (tmp_path / "bad.mcap").write_bytes(b"not a recording")
+    assert main(["log", "check", str(tmp_path / "bad.mcap"), str(quiet)]) == ERROR
+    said = capsys.readouterr()
+    assert "bad.mcap" in said.err
+    assert said.out == f"{quiet}: healthy\n"
+
+
+def test_a_part_of_which_nothing_can_be_read_is_told_and_the_others_are_read(check, quiet, tmp_path):
+    first, second = tmp_path / "log.mcap", tmp_path / "log.part2.mcap"
+    first.write_bytes(quiet.read_bytes())
+    second.write_bytes(bytes(5000))
+    status, told = check(first)
+    assert status == UNHEALTHY
+    assert "log.part2.mcap" in told
+    assert len(list(Log(first).messages())) == len(list(Log(quiet).messages()))
 
 
 def test_a_file_that_was_cut_off_is_unhealthy(check, quiet, tmp_path):

@@ -129,3 +129,10 @@ def test_nothing_is_overwritten(tmp_path, capsys):
     assert recover(log, log) == ERROR
     assert "exists" in capsys.readouterr().err
     assert log.read_bytes() == RUN.read_bytes()
+
+
+def test_it_cannot_be_written_among_its_own_parts(tmp_path, capsys):
+    log = tmp_path / "log.mcap"
+    log.write_bytes(RUN.read_bytes())
+    assert recover(log, tmp_path / "log.part2.mcap") == ERROR
+    assert "would make it a part" in capsys.readouterr().err
