@@ -4,16 +4,32 @@ Without LOG, the short recording of the tests, whose pictures are small; the yar
 """
 
 import argparse
+import time
+from concurrent.futures import Executor
+from itertools import repeat
 from pathlib import Path
+from statistics import median
 
 from nodal import arithmetic
 
 arithmetic.pin()
 
-from nodal.replay.verification import Verdict, verified  # noqa: E402
+from nodal.bench_file import recorded_bench  # noqa: E402
+from nodal.replay.script import sensing_stretches, whole  # noqa: E402
+from nodal.replay.verification import Verdict, verified, verify_stretch  # noqa: E402
 from nodal.replay.workers import cores, workers  # noqa: E402
+from recordings import Log  # noqa: E402
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "data" / "run.mcap"
+
+
+def _estimates_alone_s(path: Path, executor: Executor) -> float:
+    began_s = time.monotonic()
+    log = Log(path)
+    bench = recorded_bench(path, log.attachments, {})
+    sensed, _ = whole(log)
+    list(executor.map(verify_stretch, sensing_stretches(sensed), repeat(bench)))
+    return time.monotonic() - began_s
 
 
 def main() -> None:
@@ -29,9 +45,14 @@ def main() -> None:
         with workers(jobs, None) as executor:
             # the first brings the workers up
             timed = list(verified([arguments.log] * (arguments.runs + 1), executor, logs_ahead=0))
+            alone_s = [_estimates_alone_s(arguments.log, executor) for _ in range(arguments.runs)]
         verdicts += timed
-        speeds = sorted(verdict.span_s / verdict.took_s for verdict in timed[1:])
-        print(f"{jobs} workers: {speeds[len(speeds) // 2]:.1f} x real time, of {timed[0].span_s:.1f} s")
+        span_s = timed[0].span_s
+        everything_s = median(verdict.took_s for verdict in timed[1:])
+        print(
+            f"{jobs} workers: estimates {span_s / median(alone_s):.1f} x real time, "
+            f"estimates and commands {span_s / everything_s:.1f} x, of {span_s:.1f} s"
+        )
     counts = ", ".join(f"{key} {tally.compared}" for key, tally in verdicts[0].comparison.topics.items())
     print(f"compared: {counts}")
     print(f"different: {verdicts[0].comparison.different}")
