@@ -84,7 +84,10 @@ def _read_header(data: bytes) -> _Header | None:
         if marker == START_OF_FRAME:
             size_at = at + 5
             height, width = (int.from_bytes(data[size_at + i : size_at + i + 2], "big") for i in (0, 2))
-            factors = [data[at + 11 + 3 * component] for component in range(data[at + 9])]
+            components = int.from_bytes(data[at + 9 : at + 10])
+            factors = data[at + 11 : at + 11 + 3 * components : 3]
+            if not factors:
+                return None
             most = max(factor >> 4 for factor in factors), max(factor & 15 for factor in factors)
             unit = most if len(factors) > 1 else (1, 1)
         elif marker == RESTART_INTERVAL:

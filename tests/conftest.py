@@ -1,6 +1,7 @@
 import socket
 import time
 
+import hypothesis
 import pytest
 
 from messaging.settings import ZenohSettings
@@ -8,6 +9,10 @@ from nodal.arithmetic import pin
 
 # before any test imports NumPy or OpenCV: golden recordings have the same bytes on every CPU
 pin()
+
+# the same examples on every run: what is tried does not depend on luck
+hypothesis.settings.register_profile("repeatable", derandomize=True)
+hypothesis.settings.load_profile("repeatable")
 
 
 @pytest.fixture

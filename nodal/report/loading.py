@@ -45,8 +45,6 @@ def load_run(recording: Path | Log) -> BenchRun:
     run = BenchRun(rig=rig, losses=_lost(log))
     for recorded in log.messages():
         heard = topic_traffic(run.traffic, recorded.topic)
-        if heard.repeats(recorded):
-            continue
         heard.hear(recorded)
         topic = topic_of(recorded.topic)
         if topic is topics.CAMERA:

@@ -31,17 +31,9 @@ class TopicTraffic:
         self.unreadable_example = ""
         self._one_voice = one_voice
         self._next = 0
-        self._published_ns = 0
-        self._known: set[tuple[int, int]] = set()
-
-    def repeats(self, recorded: Recorded) -> bool:
-        """True for a publication that was heard already: later parts of a recording begin with some of the earlier ones."""
-        if self._one_voice:
-            return recorded.sequence < self._next and recorded.publish_time_ns <= self._published_ns
-        return (recorded.publish_time_ns, recorded.sequence) in self._known
 
     def hear(self, recorded: Recorded) -> None:
-        """One publication that does not repeat any."""
+        """One publication."""
         now_ns = recorded.log_time_ns
         if not self.messages:
             self.first_ns = now_ns
@@ -55,9 +47,6 @@ class TopicTraffic:
         self.size_bytes += len(recorded.payload)
         self.last_ns = now_ns
         self._next = recorded.sequence + 1
-        self._published_ns = recorded.publish_time_ns
-        if not self._one_voice:
-            self._known.add((recorded.publish_time_ns, recorded.sequence))
 
     def refuse(self, problem: str) -> None:
         """One that was heard, and could not be read."""

@@ -66,6 +66,14 @@ def test_what_cannot_be_taken_apart_is_left_whole(data):
     assert crop(data, SIZE, (20, 20, 60, 60)) is None
 
 
+def test_a_header_that_names_no_components_or_ends_within_is_left_whole():
+    whole = KINDS["4:2:0, whole rows"]
+    frame = whole.index(b"\xff\xc0")
+    assert crop(whole[: frame + 9] + b"\0" + whole[frame + 10 :], SIZE, (20, 20, 60, 60)) is None
+    for end in range(frame + 25):
+        assert crop(whole[:end], SIZE, (20, 20, 60, 60)) is None
+
+
 def test_a_picture_of_another_size_is_left_whole():
     assert crop(KINDS["grey"], (SIZE[1], SIZE[0]), (20, 20, 60, 60)) is None
 

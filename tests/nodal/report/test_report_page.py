@@ -257,20 +257,6 @@ def test_all_parts_of_a_recording_are_one_run(full, tmp_path, quick):
     assert "run.part2.mcap" in page.text
 
 
-def test_what_a_later_part_repeats_counts_once(full, tmp_path, quick):
-    whole = load_run(full.write(tmp_path / "whole.mcap"))
-    full.write(tmp_path / "run.mcap", before_s=1.0)
-    full.write(tmp_path / "run.part2.mcap", after_s=0.5)
-
-    run = load_run(tmp_path / "run.mcap")
-
-    assert [one.sequence for one in run.shapes] == [one.sequence for one in whole.shapes]
-    assert len(run.asked) == len(whole.asked)
-    assert len(run.states) == len(whole.states)
-    assert run.restarts == []
-    assert sum(topic.missing for topic in run.traffic.values()) == 0
-
-
 def test_messages_of_others_are_passed_over_and_unreadable_ones_are_counted(full, tmp_path, quick):
     full.say(dataclasses.replace(topics.LOG, key="somebody/else"), Bytes(b"anything"), 0.5)
     full.say(topics.TRUTH, Bytes(b"\xff\xff\xff"), 0.5)

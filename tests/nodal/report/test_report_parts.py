@@ -135,8 +135,6 @@ def test_what_many_say_is_neither_lost_nor_begun_anew():
         heard.hear(recorded(sequence, time_ns, "log"))
 
     assert (heard.missing, heard.restarts_ns) == (0, [])
-    assert heard.repeats(recorded(0, 20, "log"))
-    assert not heard.repeats(recorded(0, 21, "log"))
 
 
 @given(st.lists(numbers, min_size=1, max_size=5 * MOST_POINTS))
