@@ -22,7 +22,7 @@ COMMANDS = {
     "control": "run the controller",
     "record": "run the recorder, or ask one that runs: start, stop, save, status",
     "report": "one page on a recording, or on several side by side",
-    "log": "look into a recording, check it, recover it, cut it",
+    "log": "look into recordings, check, recover, cut, export and plot them",
 }
 
 ERROR, INTERRUPTED = 2, 130
