@@ -42,7 +42,7 @@ docs: .venv/dev.stamp ## write the references in docs/ anew from settings and to
 	$(BIN)/python -m nodal.message_reference > docs/messages.md
 
 COMPILE = uv pip compile pyproject.toml --group install --universal --generate-hashes \
-	--no-emit-index-url --python-version 3.11 --no-header --quiet
+	--python-version 3.11 --no-header --quiet
 
 lock: | python-found ## pin the newest allowed versions of everything in requirements*.lock
 	tools=$$(mktemp -d) && trap "rm -rf $$tools" EXIT && $(PYTHON) -m venv $$tools && $$tools/bin/pip install --quiet uv && \
