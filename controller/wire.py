@@ -83,16 +83,7 @@ class Wire:
         if account.fresh and controller.node_names:
             self._desired.put(DesiredPointsView.of(controller))
         for query, reply in zip(self._queries, outputs.replies, strict=True):
-            self._asked.put(
-                Asked(
-                    time_ns=controller.time_ns,
-                    service=query.service.key,
-                    request=query.payload,
-                    accepted=reply.accepted,
-                    state=reply.state,
-                    reason=reply.reason,
-                )
-            )
+            self._asked.put(Asked.of(query.service.key, query.payload, reply, controller.time_ns))
             query.reply(reply)
         self._queries.clear()
         return number

@@ -1,10 +1,11 @@
 """What makes a run repeatable from its log, beside inputs and outputs: what was asked, and what processes remember."""
 
 import dataclasses
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from google.protobuf.message import Message as ProtobufMessage
 
+from messaging.control import Reply
 from messaging.generated import nodal_pb2
 from messaging.message import Message
 
@@ -25,6 +26,23 @@ class Asked(Message):
     accepted: bool
     state: str
     reason: str
+
+    @classmethod
+    def of(cls, service: str, request: bytes, reply: Reply, time_ns: int) -> Self:
+        """This request with this answer."""
+        return cls(
+            time_ns=time_ns,
+            service=service,
+            request=request,
+            accepted=reply.accepted,
+            state=reply.state,
+            reason=reply.reason,
+        )
+
+    @property
+    def reply(self) -> Reply:
+        """What was answered."""
+        return Reply(accepted=self.accepted, state=self.state, reason=self.reason)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -33,16 +33,7 @@ class Desk:
             reply = Reply(
                 accepted=not refusal, state=self._deck.state, reason=refusal or self._deck.describe()
             )
-            self._asked.put(
-                Asked(
-                    time_ns=time.time_ns(),
-                    service=RECORDER_DO.key,
-                    request=question.payload,
-                    accepted=reply.accepted,
-                    state=reply.state,
-                    reason=reply.reason,
-                )
-            )
+            self._asked.put(Asked.of(RECORDER_DO.key, question.payload, reply, time.time_ns()))
             question.reply(reply)
 
     def _refusal(self, question: Query, now_ns: int) -> str:

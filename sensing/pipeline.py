@@ -12,6 +12,7 @@ import numpy as np
 
 from messaging.checked import FloatArray
 from messaging.frames import CameraCalibration
+from messaging.settings import RobotSettings
 from messaging.shape import Flag, NodalPoints
 from sensing import curve, quality
 from sensing.backdrop import Backdrop
@@ -20,6 +21,7 @@ from sensing.cold_start import ColdStart, cold_start
 from sensing.errors import NodalPointError, RefusedError
 from sensing.picture import Picture
 from sensing.refinement import Curve, Fit, Patience, Prior, Tip, View, refine
+from sensing.settings import SensingSettings
 
 AROUND_PX = 80
 """Around the expected curve: the tube's half width, the reach of normals, and how far it may have moved."""
@@ -61,6 +63,19 @@ class Scene:
             elif colour_rgb is not None:
                 backdrops[calibration.camera] = Backdrop.from_colour(colour_rgb[::-1], size)
         return cls(tuple(map(Camera, calibrations)), backdrops, length_mm, holder_radius_mm)
+
+    @classmethod
+    def on_bench(
+        cls,
+        settings: SensingSettings,
+        robot: RobotSettings,
+        calibrations: tuple[CameraCalibration, ...],
+        backgrounds: Mapping[str, bytes],
+    ) -> "Scene":
+        """The scene that a bench file describes; raises as `of` does."""
+        return cls.of(
+            calibrations, backgrounds, settings.backdrop_colour, robot.length_mm, settings.holder_radius_mm
+        )
 
     def picture(self, camera: str, data: bytes) -> Picture:
         """The coded picture of one of the cameras; raises UnreadableImageError."""

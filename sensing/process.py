@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping
 from threading import Event
 
 import cv2
-import numpy as np
 
 from drivers.cameras import (
     CameraSettings,
@@ -52,10 +51,8 @@ def run(
     A bad frame becomes a refusal that says why; a camera that falls silent is named in the log and waited for.
     """
     cv2.setNumThreads(1)
-    scene = Scene.of(
-        calibrations, backgrounds, settings.backdrop_colour, robot.length_mm, settings.holder_radius_mm
-    )
-    sensor = Sensor(scene, _configured(settings), robot.length_mm, settings.stage_age_limit_s)
+    scene = Scene.on_bench(settings, robot, calibrations, backgrounds)
+    sensor = Sensor(scene, settings.points, robot.length_mm, settings.stage_age_limit_s)
     speaker = _Speaker(session, calibrations)
     stage_reports = session.newest(topics.TENDON_STATE)
     questions = session.answers(topics.SENSING_NODES)
@@ -135,29 +132,13 @@ class _Speaker:
             )
 
     def say_asked(self, request: bytes, reply: Reply) -> None:
-        self._asked.put(
-            Asked(
-                time_ns=time.time_ns(),
-                service=topics.SENSING_NODES.key,
-                request=request,
-                accepted=reply.accepted,
-                state=reply.state,
-                reason=reply.reason,
-            )
-        )
+        self._asked.put(Asked.of(topics.SENSING_NODES.key, request, reply, time.time_ns()))
 
     def say_rig(self) -> None:
         if time.monotonic() >= self._rig_due_s:
             self._rig_due_s = time.monotonic() + RIG_PERIOD_S
             for publisher, view, known in self._rig:
                 publisher.put(view.of(known, time.time_ns()))
-
-
-def _configured(settings: SensingSettings) -> NodalPoints:
-    return NodalPoints(
-        names=tuple(point.name for point in settings.nodal_points),
-        arc_mm=np.array([point.arc_mm for point in settings.nodal_points]),
-    )
 
 
 def _hear(sensor: Sensor, stage_reports: Newest) -> None:

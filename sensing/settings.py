@@ -3,6 +3,9 @@
 from typing import Annotated
 
 import msgspec
+import numpy as np
+
+from messaging.shape import NodalPoints
 
 Level = Annotated[float, msgspec.Meta(ge=0, le=255)]
 
@@ -28,3 +31,11 @@ class SensingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     holder_radius_mm: Annotated[float, msgspec.Meta(ge=0, le=500)] = 25.0
     maximum_skew_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.012
     stage_age_limit_s: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.5
+
+    @property
+    def points(self) -> NodalPoints:
+        """The nodal points as a message."""
+        return NodalPoints(
+            names=tuple(point.name for point in self.nodal_points),
+            arc_mm=np.array([point.arc_mm for point in self.nodal_points]),
+        )

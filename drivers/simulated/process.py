@@ -26,7 +26,6 @@ logger = logging.getLogger(__name__)
 
 HISTORY_S = 0.25
 LATE_S = 0.1
-LOST_PER_WARNING = 30
 
 
 def run(

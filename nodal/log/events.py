@@ -12,6 +12,7 @@ from messaging.errors import CodecError
 from messaging.message import parse
 from messaging.topics import Topic
 from nodal.errors import CommandError
+from nodal.report.traffic import ONE_VOICE
 from recordings import Log
 
 WARNING = 3
@@ -53,8 +54,6 @@ KINDS = {
     ),
 }
 RESTART = "restart"
-ONE_VOICE = (topics.SHAPE, topics.CONTROLLER_STATE, topics.TRUTH)
-"""Topics by whose numbers a process is told that began anew."""
 ALLOWED = (
     f"{', '.join(KINDS)}, {RESTART}; or one of them by name: state:NAME, target:NAME, asked:SERVICE, flag:NAME, "
     "warning:PROCESS, restart:PROCESS"

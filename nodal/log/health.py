@@ -14,12 +14,12 @@ from messaging.topics import (
     SENSING_MEMORY,
     SHAPE,
     TENDON_COMMAND,
-    TRUTH,
 )
 from nodal.bench_file import recorded_bench
 from nodal.log.lines import counted, hertz, seconds, utc
 from nodal.log.survey import Survey
 from nodal.log.traffic import Silence, without_partner
+from nodal.report.traffic import ONE_VOICE
 from recordings.reader import names, topic_of
 
 LEAST_RATE = 0.9
@@ -28,8 +28,6 @@ LARGEST_SHARE = 0.05
 """Of all shapes that may be flagged, refused or old before it is worth a finding."""
 PERIODS_MISSED = 3.5
 """A topic may be silent for as many periods of its bench, also where the table of topics would have it sooner."""
-ONE_VOICE = (SHAPE, CONTROLLER_STATE, TRUTH)
-"""Topics of which one process says one a step, by which its restarts are told."""
 MOVING = {State.HOMING, State.TRACKING}
 """States in which commands follow one another without a pause."""
 

@@ -155,6 +155,5 @@ def _command(logged: ControllerState, part: ControlPart, account: Account) -> Co
 def _replies(asked: Sequence[Asked], replies: tuple[Reply, ...]) -> Comparison:
     found = Comparison()
     for question, reply in zip(asked, replies, strict=True):
-        said = Reply(accepted=question.accepted, state=question.state, reason=question.reason)
-        found += compared(REPLY_KEY, question.time_ns, said, reply)
+        found += compared(REPLY_KEY, question.time_ns, question.reply, reply)
     return found

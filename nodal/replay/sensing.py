@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from messaging import topics
 from messaging.errors import NodalError
 from messaging.history import Memory
@@ -17,7 +15,6 @@ from nodal.replay.frame_sets import FrameSetRecord, pictured
 from recordings.log import Log
 from sensing.memory import SensingMemory, TrackMemory
 from sensing.pipeline import Scene, Track
-from sensing.settings import SensingSettings
 from sensing.step import Clocks, SetInputs, step
 
 KEY, MEMORY_KEY = topics.SHAPE.key, topics.SENSING_MEMORY.key
@@ -37,30 +34,12 @@ class SensingPart:
     """The memory with which the stretch begins, if there is one."""
 
 
-def scene_of(bench: Bench) -> Scene:
-    """What sensing looks at on this bench."""
-    settings = bench.settings
-    return Scene.of(
-        bench.rig,
-        bench.backgrounds,
-        settings.sensing.backdrop_colour,
-        settings.robot.length_mm,
-        settings.sensing.holder_radius_mm,
-    )
-
-
-def points_of(settings: SensingSettings) -> NodalPoints:
-    """The nodal points that the bench file asks for."""
-    named = settings.nodal_points
-    return NodalPoints(names=tuple(p.name for p in named), arc_mm=np.array([p.arc_mm for p in named]))
-
-
 class _Carried:
     """What sensing carries on, as far as the log tells: `unknown` says why nothing can be replayed just now."""
 
     def __init__(self, bench: Bench, scene: Scene) -> None:
         self._scene = scene
-        self._configured = points_of(bench.settings.sensing)
+        self._configured = bench.settings.sensing.points
         self.points = self._configured
         self.track: Track | None = None
         self.unknown = "it stands before the first memory in the log"
@@ -91,7 +70,7 @@ class _Carried:
 
 def verify(part: SensingPart, bench: Bench) -> Comparison:
     """Every logged estimate against what sensing makes of the same pictures and the same memory."""
-    scene = scene_of(bench)
+    scene = _scene_of(bench)
     carried = _Carried(bench, scene)
     if part.before is not None:
         carried.recall(part.before)
@@ -130,7 +109,7 @@ def imagine(
 
     `points` are reported in place of those that were asked for, if given. Sets without all their pictures are left out.
     """
-    scene = scene_of(bench)
+    scene = _scene_of(bench)
     carried = _Carried(bench, scene)
     carried.begin()
     named_since_ns = 0
@@ -157,6 +136,10 @@ def inputs_of(record: FrameSetRecord, jpegs: Mapping[str, bytes], points: NodalP
         base_known=record.base_known,
         points=points,
     )
+
+
+def _scene_of(bench: Bench) -> Scene:
+    return Scene.on_bench(bench.settings.sensing, bench.settings.robot, bench.rig, bench.backgrounds)
 
 
 def _named(named: Sequence[tuple[int, NodalPoints]], since_ns: int, until_ns: int) -> NodalPoints | None:

@@ -75,9 +75,7 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
         raise ReplayError(
             f"{path}: it holds neither frame sets nor cycles of the controller; there is nothing to replay"
         )
-    points = (
-        sensing.points_of(bench.settings.sensing) if "nodal_points" in changes.get("sensing", {}) else None
-    )
+    points = bench.settings.sensing.points if "nodal_points" in changes.get("sensing", {}) else None
     estimates = {
         record.capture_time_ns: (record, estimate, memory)
         for record, estimate, memory in sensing.imagine(sensed, bench, points)
@@ -195,7 +193,7 @@ class _Imagined:
             self._say(topics.DESIRED_POINTS, DesiredPointsView.of(controller), times)
         asked = self._asked.get(controller.time_ns, ())
         for question, reply in zip(asked, cycle.outputs.replies, strict=True):
-            answered = replace(question, accepted=reply.accepted, state=reply.state, reason=reply.reason)
+            answered = Asked.of(question.service, question.request, reply, question.time_ns)
             self._say(topics.ASKED, answered, times)
         if controller.time_ns in self._memories:
             remembered = Memory(

@@ -65,14 +65,7 @@ def _without_feedback(circle: Tracking, bench: Bench) -> Tracking | None:
 
 def _draw_one_estimate(folder: Path, log: Log, run: BenchRun, bench: Bench) -> None:
     """The stages of one frame set, found anew without a prior: the more a shape is bent, the more it shows."""
-    sensing = bench.settings.sensing
-    scene = Scene.of(
-        run.rig,
-        bench.backgrounds,
-        sensing.backdrop_colour,
-        bench.settings.robot.length_mm,
-        sensing.holder_radius_mm,
-    )
+    scene = Scene.on_bench(bench.settings.sensing, bench.settings.robot, run.rig, bench.backgrounds)
     for shape in sorted(run.usable, key=_sideways_mm, reverse=True)[::CANDIDATES_APART]:
         jpegs = {name: frame.jpeg for name, frame in frame_set(log, shape.capture_time_ns).items()}
         try:

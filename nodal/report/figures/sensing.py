@@ -6,8 +6,6 @@ from nodal.report.figures.model import Chapter, Group, durations, extent, figure
 from nodal.report.findings import Findings
 from nodal.report.summary import estimate_rate_hz
 
-THREE_SIGMA = 3.0
-
 
 def sensing(findings: Findings) -> tuple[Chapter, ...]:
     """What was estimated, its quality, its errors where there is a truth, and the time of each stage."""
