@@ -14,7 +14,8 @@ import numpy as np
 
 from nodal.calibration_file import rig_from_matrices
 from sensing.errors import SensingError
-from sensing.pipeline import Scene, estimate
+from sensing.refined.method import Refined
+from sensing.scene import Scene
 
 
 def main() -> None:
@@ -40,12 +41,11 @@ def main() -> None:
             for name in names
             if not arguments.no_background
         }
-        scene = Scene.of(rig, background, None, arguments.length, 25.0)
+        scene = Scene.of(rig, backgrounds=background, length_mm=arguments.length)
         label = f"{pictures.parent.name}/{pictures.name} {known['shape']:<18}{known['variant']:<15}"
         try:
-            shape = estimate(
+            shape = Refined(scene).estimate(
                 {name: scene.picture(name, Path(f"{pictures}_{name}.jpg").read_bytes()) for name in names},
-                scene,
                 0.0,
                 None,
                 time.perf_counter,
@@ -62,7 +62,7 @@ def main() -> None:
         stages.append(shape.stage_s)
         print(
             f"{label} mean {errors.mean():.3f}  max {errors.max():.3f}  tip {errors[-1]:.3f} mm  "
-            f"length {shape.length_mm:.3f}  gap {shape.ray_gap_mm:.3f}  flags {', '.join(shape.flags) or 'none'}"
+            f"length {shape.length_mm:.3f}  gap {shape.evidence.ray_gap_mm:.3f}  flags {', '.join(shape.flags) or 'none'}"
         )
     print()
     _summary("node error, mm", np.concatenate(node_errors))

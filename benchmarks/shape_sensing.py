@@ -17,7 +17,9 @@ from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from sensing.errors import SensingError
-from sensing.pipeline import Scene, Shape, estimate
+from sensing.refined.method import Refined
+from sensing.scene import Scene
+from sensing.shape import Shape
 
 SECTION_MM = 40.0
 NODES_MM = np.arange(10.0, 81.0, 10.0)
@@ -35,7 +37,7 @@ def main() -> None:
     renderers = [
         Renderer(camera, section_ends, SimulatedCamerasSettings(), seed) for seed, camera in enumerate(rig)
     ]
-    scene = Scene.of(rig, {}, None, 2 * SECTION_MM, 25.0)
+    scene = Scene.of(rig, length_mm=2 * SECTION_MM)
     random = np.random.default_rng(1)
     cold, warm, flagged, refused = [], [], 0, 0
     for _ in range(arguments.poses):
@@ -71,7 +73,7 @@ def _costs(scene: Scene, frames: dict[str, bytes], last: Shape) -> None:
     decoded = {name: scene.picture(name, jpeg) for name, jpeg in frames.items()}
     for picture in decoded.values():
         _ = picture.luma
-    after_decoding = _median_ms(lambda: estimate(decoded, scene, 0.0, last.track, time.perf_counter))
+    after_decoding = _median_ms(lambda: Refined(scene).estimate(decoded, 0.0, last.track, time.perf_counter))
     in_range = _median_ms(lambda: [cv2.inRange(colour, (0, 0, 0), (90, 90, 90)) for colour in colours])
     decode = _median_ms(lambda: [cv2.imdecode(jpeg, cv2.IMREAD_COLOR) for jpeg in data])
     print("warm estimate of one 1080p pair, medians on one thread")
@@ -85,7 +87,7 @@ def _costs(scene: Scene, frames: dict[str, bytes], last: Shape) -> None:
 
 def _estimate(scene: Scene, frames: dict[str, bytes], last: Shape | None) -> Shape:
     pictures = {name: scene.picture(name, jpeg) for name, jpeg in frames.items()}
-    return estimate(pictures, scene, 0.0, None if last is None else last.track, time.perf_counter)
+    return Refined(scene).estimate(pictures, 0.0, None if last is None else last.track, time.perf_counter)
 
 
 def _errors(shape: Shape, truth: NDArray[np.float64]) -> NDArray[np.float64]:

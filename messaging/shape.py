@@ -27,7 +27,15 @@ class Flag(StrEnum):
     LARGE_RESIDUAL = "large_residual"
     """The curve does not explain the pictures."""
     LARGE_RAY_GAP = "large_ray_gap"
-    """The cameras contradict one another: a camera was moved, or the calibration is off."""
+    """The cameras contradict one another."""
+    CALIBRATION_OFF = "calibration_off"
+    """The cameras contradict one another in a systematic way: one was moved, or the calibration is off."""
+    OUT_OF_VIEW = "out_of_view"
+    """A part of the robot lies outside of a camera's picture or work area."""
+    HIDDEN = "hidden"
+    """Something hides a part of the robot from a camera."""
+    CAMERA_LOST = "camera_lost"
+    """A camera gave no picture that can be used; the others carry the estimate."""
     BASE_UNKNOWN = "base_unknown"
     """The stage's position at capture is not known; the last known one was used."""
 
@@ -36,9 +44,12 @@ class Flag(StrEnum):
 class ShapeEstimate(Message):
     """The robot's shape in one frame set; with a `refusal`, every array is empty and the reason is in words.
 
-    `arc_mm` is the distance from the base along `centreline_mm`; `insertion_mm` the height of the base along +Z;
-    `ray_gap_mm` the mean gap between paired rays; `residual_px` the RMS distance between the reprojected centreline
-    and the silhouettes' midlines. `capture_time_ns` is Unix time; `capture_to_publish_ns` is measured on one
+    `method` is the way it was found. `arc_mm` is the distance from the base along `centreline_mm`, `epipolar_angle_rad`
+    the centreline's angle there to the epipolar direction of the two cameras that tell most: at 0 its depth rests on
+    what is known beforehand. `length_mm` is measured, `known_length_mm` what the robot should have (0: not known),
+    `visible_mm` the length that each camera sees, `camera_residual_px` the RMS distance between the reprojected centreline
+    and that camera's midline, `residual_px` over all of them. `ray_gap_mm` is the mean gap between paired rays, `ray_bias_mm` the part of it that is the
+    same all along; `insertion_mm` the height of the base along +Z. `capture_time_ns` is Unix time; `capture_to_publish_ns` is measured on one
     monotonic clock, so a receiver can judge age without trusting another host's clock.
     """
 
@@ -48,17 +59,24 @@ class ShapeEstimate(Message):
     capture_time_ns: int
     capture_to_publish_ns: int
     refusal: str
+    method: str
     flags: tuple[str, ...] = items("flag")
     arc_mm: FloatArray = array("point")
     centreline_mm: FloatArray = array("point", 3)
+    epipolar_angle_rad: FloatArray = array("point")
     node_names: tuple[str, ...] = items("node")
     node_arc_mm: FloatArray = array("node")
     node_mm: FloatArray = array("node", 3)
     node_covariance_mm2: FloatArray = array("node", 3, 3)
     length_mm: float
+    known_length_mm: float
     insertion_mm: float
     ray_gap_mm: float
+    ray_bias_mm: float
     residual_px: float
+    camera_names: tuple[str, ...] = items("camera")
+    camera_residual_px: FloatArray = array("camera")
+    visible_mm: FloatArray = array("camera")
     stage_names: tuple[str, ...] = items("stage")
     stage_s: FloatArray = array("stage")
 

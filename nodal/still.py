@@ -15,9 +15,10 @@ from messaging.shape import NodalPoints
 from nodal.calibration_file import load_rig
 from nodal.errors import CommandError
 from sensing.errors import RefusedError, UnreadableImageError
-from sensing.pipeline import Scene, Shape, estimate
-
-HOLDER_RADIUS_MM = 25.0
+from sensing.method import METHODS
+from sensing.scene import Scene
+from sensing.settings import MethodName
+from sensing.shape import Shape
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,7 @@ class Question:
     backgrounds: Mapping[str, Path]
     nodes_mm: tuple[float, ...]
     length_mm: float | None
+    method: MethodName = MethodName.REFINED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,9 +59,9 @@ def answer(question: Question) -> Answer | Refusal:
     if question.length_mm is not None and not (math.isfinite(question.length_mm) and question.length_mm > 0):
         raise CommandError(f"--length {question.length_mm:g} mm is not a length; it must be above 0")
     try:
-        scene = Scene.of(rig, _read(question.backgrounds), None, question.length_mm, HOLDER_RADIUS_MM)
+        scene = Scene.of(rig, backgrounds=_read(question.backgrounds), length_mm=question.length_mm)
         pictures = {name: scene.picture(name, data) for name, data in _read(question.images).items()}
-        shape = estimate(pictures, scene, 0.0, None, time.perf_counter)
+        shape = METHODS[question.method](scene).estimate(pictures, 0.0, None, time.perf_counter)
     except (RefusedError, UnreadableImageError) as error:
         return Refusal(reason=str(error))
     node_mm, covariance = shape.nodes(points.arc_mm)
@@ -91,9 +93,9 @@ def as_json(found: Answer | Refusal) -> str:
                     found.points.names, found.points.arc_mm, found.node_mm, found.sigma_mm, strict=True
                 )
             ],
-            "centreline_mm": shape.centreline_mm.tolist(),
+            "centreline_mm": shape.centreline.points_mm.tolist(),
             "length_mm": shape.length_mm,
-            "ray_gap_mm": shape.ray_gap_mm,
+            "ray_gap_mm": shape.evidence.ray_gap_mm,
             "flags": [str(flag) for flag in shape.flags],
             "stage_ms": {name: 1e3 * seconds for name, seconds in shape.stage_s.items()},
         }
@@ -114,7 +116,7 @@ def as_text(found: Answer | Refusal) -> str:
     ]
     stages = ", ".join(f"{name} {1e3 * seconds:.0f}" for name, seconds in shape.stage_s.items())
     lines += [
-        f"length {shape.length_mm:.2f} mm, mean ray gap {shape.ray_gap_mm:.3f} mm, residual {shape.residual_px:.2f} px",
+        f"length {shape.length_mm:.2f} mm, mean ray gap {shape.evidence.ray_gap_mm:.3f} mm, residual {shape.residual_px:.2f} px",
         f"flags: {', '.join(shape.flags) or 'none'}",
         f"stages, ms: {stages}",
     ]

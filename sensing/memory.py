@@ -6,10 +6,11 @@ from typing import Self
 from messaging.checked import FloatArray
 from messaging.shape import NodalPoints
 from messaging.snapshot import freeze, thaw
-from sensing.backdrop import Backdrop
 from sensing.errors import MemoryMisfitError
-from sensing.pipeline import Scene, Track
-from sensing.refinement import Curve, Tip
+from sensing.pictures.backdrop import Backdrop
+from sensing.refined.refinement import Curve, Tip
+from sensing.refined.track import Track
+from sensing.scene import Scene
 
 PACKAGES = ("sensing", "messaging")
 

@@ -24,7 +24,7 @@ from messaging.session import Newest, Query, Session
 from messaging.settings import RobotSettings
 from messaging.shape import NodalPoints
 from messaging.views import CameraPoseView, CameraView, CentrelineView, NodalPointsView
-from sensing.pipeline import Scene
+from sensing.method import bench_method
 from sensing.sensor import Sensor
 from sensing.settings import SensingSettings
 
@@ -51,8 +51,8 @@ def run(
     A bad frame becomes a refusal that says why; a camera that falls silent is named in the log and waited for.
     """
     cv2.setNumThreads(1)
-    scene = Scene.on_bench(settings, robot, calibrations, backgrounds)
-    sensor = Sensor(scene, settings.points, robot.length_mm, settings.stage_age_limit_s)
+    method = bench_method(settings, robot, calibrations, backgrounds)
+    sensor = Sensor(method, settings.points, robot.length_mm, settings.stage_age_limit_s)
     speaker = _Speaker(session, calibrations)
     stage_reports = session.newest(topics.TENDON_STATE)
     questions = session.answers(topics.SENSING_NODES)

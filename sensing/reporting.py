@@ -3,63 +3,72 @@
 import numpy as np
 
 from messaging.checked import FloatArray
-from messaging.shape import Flag, NodalPoints, ShapeEstimate
+from messaging.shape import Flag, ShapeEstimate
 from sensing.errors import SensingError
-from sensing.pipeline import Shape
+from sensing.method import Method
+from sensing.set_inputs import SetInputs
+from sensing.shape import Shape
 
 
-def estimate_message(
-    shape: Shape,
-    points: NodalPoints,
-    sequence: int,
-    capture_time_ns: int,
-    age_ns: int,
-    extra_flags: tuple[Flag, ...],
-) -> ShapeEstimate:
-    """The message of a resolved shape; `extra_flags` are those that the pictures cannot know of."""
-    nodes, covariance = shape.nodes(points.arc_mm)
+def estimate_message(shape: Shape, inputs: SetInputs, method: Method, age_ns: int) -> ShapeEstimate:
+    """The message of a resolved shape; raises NodalPointError when a nodal point that was asked for is not on it."""
+    nodes, covariance = shape.nodes(inputs.points.arc_mm)
+    evidence = shape.evidence
+    unknown = () if inputs.base_known else (Flag.BASE_UNKNOWN,)
     return ShapeEstimate(
-        sequence=sequence,
-        capture_time_ns=capture_time_ns,
+        sequence=inputs.sequence,
+        capture_time_ns=inputs.capture_time_ns,
         capture_to_publish_ns=age_ns,
         refusal="",
-        flags=tuple(str(flag) for flag in (*shape.flags, *extra_flags)),
-        arc_mm=shape.arc_mm,
-        centreline_mm=shape.centreline_mm,
-        node_names=points.names,
-        node_arc_mm=points.arc_mm,
+        method=method.name,
+        flags=tuple(str(flag) for flag in (*evidence.flags, *unknown)),
+        arc_mm=shape.centreline.arc_mm,
+        centreline_mm=shape.centreline.points_mm,
+        epipolar_angle_rad=evidence.epipolar_angle_rad,
+        node_names=inputs.points.names,
+        node_arc_mm=inputs.points.arc_mm,
         node_mm=nodes,
         node_covariance_mm2=covariance,
         length_mm=shape.length_mm,
+        known_length_mm=method.scene.length_mm or 0.0,
         insertion_mm=shape.insertion_mm,
-        ray_gap_mm=shape.ray_gap_mm,
+        ray_gap_mm=evidence.ray_gap_mm,
+        ray_bias_mm=evidence.ray_bias_mm,
+        camera_names=tuple(evidence.residual_px),
         residual_px=shape.residual_px,
+        camera_residual_px=np.array(list(evidence.residual_px.values())),
+        visible_mm=np.array(list(evidence.visible_mm.values())),
         stage_names=tuple(shape.stage_s),
         stage_s=np.array(list(shape.stage_s.values())),
     )
 
 
-def refusal_message(
-    error: SensingError, sequence: int, capture_time_ns: int, age_ns: int, insertion_mm: float
-) -> ShapeEstimate:
+def refusal_message(error: SensingError, inputs: SetInputs, method: Method, age_ns: int) -> ShapeEstimate:
     """The message that says why a frame set has no shape."""
     none: FloatArray = np.zeros(0)
     return ShapeEstimate(
-        sequence=sequence,
-        capture_time_ns=capture_time_ns,
+        sequence=inputs.sequence,
+        capture_time_ns=inputs.capture_time_ns,
         capture_to_publish_ns=age_ns,
         refusal=str(error),
+        method=method.name,
         flags=(),
         arc_mm=none,
         centreline_mm=np.zeros((0, 3)),
+        epipolar_angle_rad=none,
         node_names=(),
         node_arc_mm=none,
         node_mm=np.zeros((0, 3)),
         node_covariance_mm2=np.zeros((0, 3, 3)),
         length_mm=0.0,
-        insertion_mm=insertion_mm,
+        known_length_mm=0.0,
+        insertion_mm=inputs.insertion_mm,
         ray_gap_mm=0.0,
+        ray_bias_mm=0.0,
+        camera_names=(),
         residual_px=0.0,
+        camera_residual_px=none,
+        visible_mm=none,
         stage_names=(),
         stage_s=none,
     )

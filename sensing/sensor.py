@@ -6,18 +6,21 @@ from collections.abc import Callable, Mapping
 from messaging.control import TendonState
 from messaging.shape import NodalPoints, ShapeEstimate
 from sensing.memory import SensingMemory, TrackMemory
-from sensing.pipeline import Scene, Track, covered_nodes
+from sensing.method import Method
+from sensing.refined.track import Track
+from sensing.set_inputs import SetInputs
+from sensing.shape import covered_nodes
 from sensing.stage_height import StageHeight
-from sensing.step import Clocks, SetInputs, step
+from sensing.step import Clocks, step
 
 
 class Sensor:
     """Turns frame sets into estimates, one after the other."""
 
     def __init__(
-        self, scene: Scene, points: NodalPoints, robot_length_mm: float, stage_age_limit_s: float
+        self, method: Method, points: NodalPoints, robot_length_mm: float, stage_age_limit_s: float
     ) -> None:
-        self._scene = scene
+        self._method = method
         self._robot_length_mm = robot_length_mm
         self._points = covered_nodes(points, robot_length_mm)
         self._height = StageHeight(stage_age_limit_s)
@@ -52,5 +55,5 @@ class Sensor:
             points=self._points,
         )
         clocks = Clocks(stage_s=time.perf_counter, age_ns=age_ns)
-        message, self._track = step(self._scene, inputs, self._track, clocks)
+        message, self._track = step(self._method, inputs, self._track, clocks)
         return message

@@ -7,7 +7,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class ShapeEstimate(_message.Message):
-    __slots__ = ("sequence", "capture_time_ns", "capture_to_publish_ns", "refusal", "flags", "arc_mm", "centreline_mm", "node_names", "node_arc_mm", "node_mm", "node_covariance_mm2", "length_mm", "insertion_mm", "ray_gap_mm", "residual_px", "stage_names", "stage_s")
+    __slots__ = ("sequence", "capture_time_ns", "capture_to_publish_ns", "refusal", "flags", "arc_mm", "centreline_mm", "node_names", "node_arc_mm", "node_mm", "node_covariance_mm2", "length_mm", "insertion_mm", "ray_gap_mm", "residual_px", "stage_names", "stage_s", "method", "epipolar_angle_rad", "known_length_mm", "ray_bias_mm", "camera_names", "camera_residual_px", "visible_mm")
     SEQUENCE_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_TO_PUBLISH_NS_FIELD_NUMBER: _ClassVar[int]
@@ -25,6 +25,13 @@ class ShapeEstimate(_message.Message):
     RESIDUAL_PX_FIELD_NUMBER: _ClassVar[int]
     STAGE_NAMES_FIELD_NUMBER: _ClassVar[int]
     STAGE_S_FIELD_NUMBER: _ClassVar[int]
+    METHOD_FIELD_NUMBER: _ClassVar[int]
+    EPIPOLAR_ANGLE_RAD_FIELD_NUMBER: _ClassVar[int]
+    KNOWN_LENGTH_MM_FIELD_NUMBER: _ClassVar[int]
+    RAY_BIAS_MM_FIELD_NUMBER: _ClassVar[int]
+    CAMERA_NAMES_FIELD_NUMBER: _ClassVar[int]
+    CAMERA_RESIDUAL_PX_FIELD_NUMBER: _ClassVar[int]
+    VISIBLE_MM_FIELD_NUMBER: _ClassVar[int]
     sequence: int
     capture_time_ns: int
     capture_to_publish_ns: int
@@ -42,7 +49,14 @@ class ShapeEstimate(_message.Message):
     residual_px: float
     stage_names: _containers.RepeatedScalarFieldContainer[str]
     stage_s: _containers.RepeatedScalarFieldContainer[float]
-    def __init__(self, sequence: _Optional[int] = ..., capture_time_ns: _Optional[int] = ..., capture_to_publish_ns: _Optional[int] = ..., refusal: _Optional[str] = ..., flags: _Optional[_Iterable[str]] = ..., arc_mm: _Optional[_Iterable[float]] = ..., centreline_mm: _Optional[_Iterable[float]] = ..., node_names: _Optional[_Iterable[str]] = ..., node_arc_mm: _Optional[_Iterable[float]] = ..., node_mm: _Optional[_Iterable[float]] = ..., node_covariance_mm2: _Optional[_Iterable[float]] = ..., length_mm: _Optional[float] = ..., insertion_mm: _Optional[float] = ..., ray_gap_mm: _Optional[float] = ..., residual_px: _Optional[float] = ..., stage_names: _Optional[_Iterable[str]] = ..., stage_s: _Optional[_Iterable[float]] = ...) -> None: ...
+    method: str
+    epipolar_angle_rad: _containers.RepeatedScalarFieldContainer[float]
+    known_length_mm: float
+    ray_bias_mm: float
+    camera_names: _containers.RepeatedScalarFieldContainer[str]
+    camera_residual_px: _containers.RepeatedScalarFieldContainer[float]
+    visible_mm: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, sequence: _Optional[int] = ..., capture_time_ns: _Optional[int] = ..., capture_to_publish_ns: _Optional[int] = ..., refusal: _Optional[str] = ..., flags: _Optional[_Iterable[str]] = ..., arc_mm: _Optional[_Iterable[float]] = ..., centreline_mm: _Optional[_Iterable[float]] = ..., node_names: _Optional[_Iterable[str]] = ..., node_arc_mm: _Optional[_Iterable[float]] = ..., node_mm: _Optional[_Iterable[float]] = ..., node_covariance_mm2: _Optional[_Iterable[float]] = ..., length_mm: _Optional[float] = ..., insertion_mm: _Optional[float] = ..., ray_gap_mm: _Optional[float] = ..., residual_px: _Optional[float] = ..., stage_names: _Optional[_Iterable[str]] = ..., stage_s: _Optional[_Iterable[float]] = ..., method: _Optional[str] = ..., epipolar_angle_rad: _Optional[_Iterable[float]] = ..., known_length_mm: _Optional[float] = ..., ray_bias_mm: _Optional[float] = ..., camera_names: _Optional[_Iterable[str]] = ..., camera_residual_px: _Optional[_Iterable[float]] = ..., visible_mm: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Truth(_message.Message):
     __slots__ = ("capture_time_ns", "arc_mm", "centreline_mm", "insertion_mm")

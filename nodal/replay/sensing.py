@@ -14,8 +14,11 @@ from nodal.replay.comparison import Comparison, compared, compared_bytes, skippe
 from nodal.replay.frame_sets import FrameSetRecord, pictured
 from recordings.log import Log
 from sensing.memory import SensingMemory, TrackMemory
-from sensing.pipeline import Scene, Track
-from sensing.step import Clocks, SetInputs, step
+from sensing.method import Method, bench_method
+from sensing.refined.track import Track
+from sensing.scene import Scene
+from sensing.set_inputs import SetInputs
+from sensing.step import Clocks, step
 
 KEY, MEMORY_KEY = topics.SHAPE.key, topics.SENSING_MEMORY.key
 STILL = Clocks(stage_s=lambda: 0.0, age_ns=lambda: 0)
@@ -70,8 +73,8 @@ class _Carried:
 
 def verify(part: SensingPart, bench: Bench) -> Comparison:
     """Every logged estimate against what sensing makes of the same pictures and the same memory."""
-    scene = _scene_of(bench)
-    carried = _Carried(bench, scene)
+    method = _method_of(bench)
+    carried = _Carried(bench, method.scene)
     if part.before is not None:
         carried.recall(part.before)
     found = Comparison()
@@ -89,7 +92,7 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
             found += skipped(KEY, carried.unknown)
         else:
             estimate, carried.track = step(
-                scene, inputs_of(record, jpegs, carried.points), carried.track, STILL
+                method, inputs_of(record, jpegs, carried.points), carried.track, STILL
             )
             found += compared(KEY, record.capture_time_ns, record.estimate, estimate)
         if (logged := part.memories.get(record.capture_time_ns)) is not None:
@@ -109,8 +112,8 @@ def imagine(
 
     `points` are reported in place of those that were asked for, if given. Sets without all their pictures are left out.
     """
-    scene = _scene_of(bench)
-    carried = _Carried(bench, scene)
+    method = _method_of(bench)
+    carried = _Carried(bench, method.scene)
     carried.begin()
     named_since_ns = 0
     for record, jpegs in pictured(Log(part.path), part.sets, tuple(bench.settings.cameras)):
@@ -122,7 +125,7 @@ def imagine(
         if jpegs is not None:
             clocks = replace(STILL, age_ns=partial(int, record.age_ns))
             inputs = inputs_of(record, jpegs, carried.points)
-            estimate, carried.track = step(scene, inputs, carried.track, clocks)
+            estimate, carried.track = step(method, inputs, carried.track, clocks)
             yield record, estimate, carried.memory()
 
 
@@ -138,8 +141,8 @@ def inputs_of(record: FrameSetRecord, jpegs: Mapping[str, bytes], points: NodalP
     )
 
 
-def _scene_of(bench: Bench) -> Scene:
-    return Scene.on_bench(bench.settings.sensing, bench.settings.robot, bench.rig, bench.backgrounds)
+def _method_of(bench: Bench) -> Method:
+    return bench_method(bench.settings.sensing, bench.settings.robot, bench.rig, bench.backgrounds)
 
 
 def _named(named: Sequence[tuple[int, NodalPoints]], since_ns: int, until_ns: int) -> NodalPoints | None:

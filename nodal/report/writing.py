@@ -22,7 +22,7 @@ from nodal.report.tracking import Tracking, true_tracking_of
 from nodal.report.truth import TrueShapes
 from recordings import Log
 from sensing.errors import SensingError
-from sensing.pipeline import Scene, estimate
+from sensing.method import bench_method
 
 logger = logging.getLogger(__name__)
 
@@ -65,12 +65,12 @@ def _without_feedback(circle: Tracking, bench: Bench) -> Tracking | None:
 
 def _draw_one_estimate(folder: Path, log: Log, run: BenchRun, bench: Bench) -> None:
     """The stages of one frame set, found anew without a prior: the more a shape is bent, the more it shows."""
-    scene = Scene.on_bench(bench.settings.sensing, bench.settings.robot, run.rig, bench.backgrounds)
+    method = bench_method(bench.settings.sensing, bench.settings.robot, run.rig, bench.backgrounds)
     for shape in sorted(run.usable, key=_sideways_mm, reverse=True)[::CANDIDATES_APART]:
         jpegs = {name: frame.jpeg for name, frame in frame_set(log, shape.capture_time_ns).items()}
         try:
-            pictures = {name: scene.picture(name, jpeg) for name, jpeg in jpegs.items()}
-            found = estimate(pictures, scene, shape.insertion_mm, None, time.perf_counter)
+            pictures = {name: method.scene.picture(name, jpeg) for name, jpeg in jpegs.items()}
+            found = method.estimate(pictures, shape.insertion_mm, None, time.perf_counter)
         except SensingError as error:
             logger.info("no picture of frame set %d: %s", shape.sequence, error)
             continue

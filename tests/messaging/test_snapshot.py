@@ -67,18 +67,21 @@ def test_what_cannot_be_kept_is_named():
         (b"\xc1", "not a snapshot"),
         (freeze(POINTS), "allowed are classes of sensing"),
         (
-            msgspec.msgpack.encode({"kind": "sensing.pipeline:estimate", "fields": {}}),
+            msgspec.msgpack.encode({"kind": "sensing.step:step", "fields": {}}),
             "neither a dataclass nor",
         ),
         (
-            msgspec.msgpack.encode({"kind": "sensing.pipeline:Gone", "fields": {}}),
+            msgspec.msgpack.encode({"kind": "sensing.step:Gone", "fields": {}}),
             "does not fit this version",
         ),
         (
             msgspec.msgpack.encode({"kind": "sensing.gone:Gone", "fields": {}}),
             "there is no sensing.gone:Gone",
         ),
-        (msgspec.msgpack.encode({"kind": "sensing.refinement:Prior", "fields": {"x": 1}}), "does not fit"),
+        (
+            msgspec.msgpack.encode({"kind": "sensing.refined.refinement:Prior", "fields": {"x": 1}}),
+            "does not fit",
+        ),
         (msgspec.msgpack.encode({"kind": "os:system", "fields": {}}), "allowed are classes of sensing"),
         (
             msgspec.msgpack.encode({"kind": "array", "type": "O", "shape": [1], "data": b"12345678"}),

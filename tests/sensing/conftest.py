@@ -14,12 +14,13 @@ from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.cameras.settings import BodySettings, SimulatedCamerasSettings
 from messaging.frames import CameraCalibration
-from sensing.pipeline import Scene, Shape, estimate
+from sensing.refined.method import Refined
+from sensing.scene import Scene
+from sensing.shape import Shape
 
 SECTION_MM = 40.0
 LENGTH_MM = 80.0
 STEP_MM = 1.0
-HOLDER_RADIUS_MM = 25.0
 
 
 def _turn(angle_rad, heading_rad):
@@ -115,7 +116,7 @@ class Bench:
 
     def scene(self, backgrounds: Mapping[str, bytes] | None = None, length_mm: float | None = LENGTH_MM):
         """A scene of these cameras."""
-        return Scene.of(self.rig, backgrounds or {}, None, length_mm, HOLDER_RADIUS_MM)
+        return Scene.of(self.rig, backgrounds=backgrounds, length_mm=length_mm)
 
 
 def encoded(picture, kind=".jpg"):
@@ -183,7 +184,7 @@ def look():
         decoded_late = {name: scene.picture(name, data) for name, data in pictures.items()}
         ticks = iter(range(1000))
         before = None if last is None else last.track
-        return estimate(decoded_late, scene, insertion_mm, before, lambda: float(next(ticks)))
+        return Refined(scene).estimate(decoded_late, insertion_mm, before, lambda: float(next(ticks)))
 
     return _look
 

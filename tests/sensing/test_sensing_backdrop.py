@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sensing.backdrop import Backdrop, luma, noise_level, reduced
-from sensing.pipeline import Scene
+from sensing.pictures.backdrop import Backdrop, luma, noise_level, reduced
+from sensing.scene import Scene
 
 
 def test_equation_1_is_the_euclidean_distance_of_colours():
@@ -20,7 +20,7 @@ def test_equation_1_is_the_euclidean_distance_of_colours():
 
 
 def test_the_bench_files_colour_is_red_green_blue(rig):
-    scene = Scene.of(rig, {}, (10.0, 20.0, 30.0), None, 25.0)
+    scene = Scene.of(rig, colour_rgb=(10.0, 20.0, 30.0))
     assert {name: kept.picture[0, 0].tolist() for name, kept in scene.backdrops.items()} == {
         "left": [30, 20, 10],
         "right": [30, 20, 10],
@@ -30,10 +30,10 @@ def test_the_bench_files_colour_is_red_green_blue(rig):
 
 def test_a_picture_goes_before_the_colour_and_no_backdrop_is_made_of_neither(rig, encode):
     grey = encode(np.full((1080, 1920, 3), 77))
-    scene = Scene.of(rig, {"left": grey}, (10.0, 20.0, 30.0), None, 25.0)
+    scene = Scene.of(rig, backgrounds={"left": grey}, colour_rgb=(10.0, 20.0, 30.0))
     assert scene.backdrops["left"].picture[500, 900].tolist() == [77, 77, 77]
     assert scene.backdrops["right"].picture[500, 900].tolist() == [30, 20, 10]
-    assert Scene.of(rig, {}, None, None, 25.0).backdrops == {}
+    assert Scene.of(rig).backdrops == {}
 
 
 def test_detection_pixels_are_means_of_four():

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from drivers.simulated.cameras.rig import default_cameras
 from messaging.frames import CameraCalibration
-from sensing.backdrop import reduced
-from sensing.camera import Camera
-from sensing.edges import LINEAR, contrast
-from sensing.segmentation import full_pixels, small_pixels
+from sensing.geometry.camera import Camera
+from sensing.pictures.backdrop import reduced
+from sensing.pictures.segmentation import full_pixels, small_pixels
+from sensing.refined.edges import LINEAR, contrast
 
 RIG = default_cameras()
 coordinate = st.floats(-60, 60)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sensing import curve
+from sensing.geometry import curve
 
 parameters = st.lists(st.floats(0, 1), min_size=1, max_size=30).map(np.array)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from sensing.edges import LINEAR, edge_pairs, ends
+from sensing.refined.edges import LINEAR, edge_pairs, ends
 
 HEIGHT, WIDTH = 120, 200
 MIDDLE = np.array([100.0, 60.0])

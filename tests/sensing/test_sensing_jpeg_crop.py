@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sensing.jpeg_crop import crop
+from sensing.pictures.jpeg_crop import crop
 
 SIZE = (200, 150)
 

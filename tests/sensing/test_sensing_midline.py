@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sensing.midline import half_width, midline
+from sensing.refined.midline import half_width, midline
 
 HALF_WIDTH = 9
 

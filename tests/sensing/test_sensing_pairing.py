@@ -10,9 +10,10 @@ from hypothesis.extra.numpy import arrays
 
 from drivers.simulated.cameras.rig import default_cameras
 from messaging.frames import CameraCalibration
-from sensing.camera import Camera
-from sensing.curve import resample
-from sensing.pairing import EVENNESS_MM2, ordered_pairs, ray_gaps, triangulate
+from sensing.geometry.camera import Camera
+from sensing.geometry.curve import resample
+from sensing.geometry.rays import ray_gaps, triangulate
+from sensing.refined.walk import EVENNESS_MM2, ordered_pairs
 
 LEFT, RIGHT = map(Camera, default_cameras())
 coordinate = st.floats(-60, 60)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sensing.errors import ImageSizeError, UnreadableImageError
-from sensing.picture import Picture
+from sensing.pictures.picture import Picture
 
 SIZE = 64, 48
 

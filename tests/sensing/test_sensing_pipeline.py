@@ -5,8 +5,9 @@ import pytest
 
 from messaging.shape import NodalPoints
 from sensing.errors import NodalPointError
-from sensing.pipeline import Scene, covered_nodes
-from sensing.refinement import Tip
+from sensing.refined.refinement import Tip
+from sensing.scene import Scene
+from sensing.shape import covered_nodes
 
 POSES = {
     "straight": (0.0, 0.0, 0.0, 0.0),
@@ -50,18 +51,18 @@ def test_nodal_points_lie_where_the_robot_was(shapes, true_nodes, name):
     assert error.mean() < 0.1
     assert error[-1] < 0.3
     assert shape.length_mm == pytest.approx(80, abs=0.15)
-    assert shape.tip is Tip.ROUND
+    assert shape.track.tip is Tip.ROUND
     assert shape.residual_px < 0.4
-    assert shape.ray_gap_mm < 0.1
+    assert shape.evidence.ray_gap_mm < 0.1
 
 
 @pytest.mark.parametrize("name", POSES)
 def test_the_centreline_is_ordered_from_the_base_and_even(shapes, name):
     shape = shapes[name]
-    assert np.linalg.norm(shape.centreline_mm[0]) < 0.03
-    assert shape.arc_mm[0] == 0
-    assert shape.arc_mm[-1] == shape.length_mm
-    steps = np.diff(shape.arc_mm)
+    assert np.linalg.norm(shape.centreline.points_mm[0]) < 0.03
+    assert shape.centreline.arc_mm[0] == 0
+    assert shape.centreline.arc_mm[-1] == shape.length_mm
+    steps = np.diff(shape.centreline.arc_mm)
     assert steps.max() < 1.02 * steps.min()
 
 
@@ -89,14 +90,14 @@ def test_an_unknown_length_is_measured(bench, pictures, look, true_nodes):
 def test_a_background_picture_serves_as_the_backdrop(small_bench, without_robot, arcs, look, true_nodes):
     shape = look(small_bench.scene(without_robot), small_bench.photograph(arcs(*POSES["hook"])))
     assert shape.flags == ()
-    assert sorted(shape.backdrops) == ["left", "right"]
+    assert sorted(shape.track.backdrops) == ["left", "right"]
     error = errors_mm(shape, true_nodes(POSES["hook"]))
     assert error.mean() < 0.1
     assert error[-1] < 0.3
 
 
 def test_one_backdrop_colour_finds_the_robot(small_bench, arcs, look, true_nodes):
-    scene = Scene.of(small_bench.rig, {}, (62.0, 145.0, 79.0), 80.0, 25.0)
+    scene = Scene.of(small_bench.rig, colour_rgb=(62.0, 145.0, 79.0), length_mm=80.0)
     shape = look(scene, small_bench.photograph(arcs(*POSES["leaning"])))
     assert errors_mm(shape, true_nodes(POSES["leaning"])).max() < 0.5
 
@@ -137,9 +138,9 @@ def test_three_cameras_are_used_like_two(bench, third_camera, pictures, arcs, lo
     pose = POSES["away and back"]
     rig = (*third_camera.rig, *bench.rig)
     seen = pictures["away and back"] | third_camera.photograph(arcs(*pose))
-    shape = look(Scene.of(rig, {}, None, 80.0, 25.0), seen)
+    shape = look(Scene.of(rig, length_mm=80.0), seen)
     assert shape.flags == ()
-    assert len(shape.fit.views) == 3
+    assert len(shape.centreline.fit.views) == 3
     error = errors_mm(shape, true_nodes(pose))
     assert error.mean() < 0.1
     assert error[-1] < 0.3
@@ -152,7 +153,7 @@ def test_the_base_rises_with_the_stage(bench, arcs, look, true_nodes):
     cold = look(scene, seen, insertion_mm=insertion_mm)
     assert cold.flags == ()
     assert cold.insertion_mm == insertion_mm
-    assert cold.centreline_mm[0] == pytest.approx([0, 0, insertion_mm], abs=0.03)
+    assert cold.centreline.points_mm[0] == pytest.approx([0, 0, insertion_mm], abs=0.03)
     assert errors_mm(cold, true_nodes(pose, insertion_mm)).mean() < 0.1
     lower = bench.photograph(arcs(*pose, insertion_mm=insertion_mm - 9))
     warm = look(scene, lower, cold, insertion_mm=insertion_mm - 9)
@@ -164,11 +165,11 @@ def test_the_same_bytes_give_the_same_numbers(bench, pictures, shapes, look):
     again = look(bench.scene(), pictures["s bend"])
     for one, other in zip(again.nodes(NODES_MM), shapes["s bend"].nodes(NODES_MM), strict=True):
         assert np.array_equal(one, other)
-    assert np.array_equal(again.centreline_mm, shapes["s bend"].centreline_mm)
-    assert np.array_equal(again.fit.covariance, shapes["s bend"].fit.covariance)
-    assert again.ray_gap_mm == shapes["s bend"].ray_gap_mm
+    assert np.array_equal(again.centreline.points_mm, shapes["s bend"].centreline.points_mm)
+    assert np.array_equal(again.centreline.fit.covariance, shapes["s bend"].centreline.fit.covariance)
+    assert again.evidence.ray_gap_mm == shapes["s bend"].evidence.ray_gap_mm
     assert again.residual_px == shapes["s bend"].residual_px
-    warm = [look(bench.scene(), pictures["s bend"], shapes["s bend"]).centreline_mm for _ in range(2)]
+    warm = [look(bench.scene(), pictures["s bend"], shapes["s bend"]).centreline.points_mm for _ in range(2)]
     assert np.array_equal(*warm)
 
 
@@ -184,9 +185,9 @@ def test_every_stage_of_a_fresh_look_is_timed_and_kept(shapes):
 def test_points_between_nodes_and_at_the_ends(shapes):
     shape = shapes["hook"]
     nodes, _ = shape.nodes(np.array([0.0, 37.5, shape.length_mm]))
-    assert nodes[0] == pytest.approx(shape.centreline_mm[0], abs=1e-9)
-    assert nodes[2] == pytest.approx(shape.centreline_mm[-1], abs=0.01)
-    on_line = [np.interp(37.5, shape.arc_mm, column) for column in shape.centreline_mm.T]
+    assert nodes[0] == pytest.approx(shape.centreline.points_mm[0], abs=1e-9)
+    assert nodes[2] == pytest.approx(shape.centreline.points_mm[-1], abs=0.01)
+    on_line = [np.interp(37.5, shape.centreline.arc_mm, column) for column in shape.centreline.points_mm.T]
     assert nodes[1] == pytest.approx(on_line, abs=0.01)
 
 
@@ -214,7 +215,7 @@ def test_a_round_tip_is_told_from_a_flat_one(bench, arcs, painted, look, tip):
     seen = {camera.camera: painted(camera, fine, 2.6, tip) for camera in bench.rig}
     shape = look(bench.scene(length_mm=None), seen)
     assert shape.flags == ()
-    assert shape.tip == tip
-    assert np.linalg.norm(shape.centreline_mm[-1] - fine[-1]) < 0.3
+    assert shape.track.tip == tip
+    assert np.linalg.norm(shape.centreline.points_mm[-1] - fine[-1]) < 0.3
     assert shape.length_mm == pytest.approx(80, abs=0.3)
-    assert np.median(shape.fit.curve.radius_mm) == pytest.approx(2.6, abs=0.05)
+    assert np.median(shape.centreline.fit.curve.radius_mm) == pytest.approx(2.6, abs=0.05)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sensing.camera import Camera
 from sensing.errors import RefusedError
-from sensing.segmentation import AXIS_MM, BaseView, robot_mask, small_pixels
+from sensing.geometry.camera import Camera
+from sensing.pictures.segmentation import AXIS_MM, BaseView, robot_mask, small_pixels
 
 HEIGHT, WIDTH = 300, 240
 PX_PER_MM = 4.0

@@ -6,8 +6,10 @@ import pytest
 from messaging.control import TendonState
 from messaging.shape import Flag, NodalPoints, ShapeEstimate
 from sensing.errors import NodalPointError
+from sensing.refined.method import Refined
 from sensing.reporting import refusal_message
 from sensing.sensor import Sensor
+from sensing.set_inputs import SetInputs
 
 POSE = (0.5, 0.4, 0.3, 0.4)
 NOW_NS = 1_780_000_000_000_000_000
@@ -36,7 +38,7 @@ def seen(small_bench, arcs):
 
 @pytest.fixture
 def sensor(small_bench):
-    return Sensor(small_bench.scene(), MIDDLE_AND_TIP, 80.0, 0.5)
+    return Sensor(Refined(small_bench.scene()), MIDDLE_AND_TIP, 80.0, 0.5)
 
 
 def sense(sensor, pictures, sequence=7):
@@ -126,8 +128,16 @@ def test_a_view_in_which_the_curve_is_nowhere_seen_is_refused_and_not_a_broken_m
     assert np.isfinite(estimate.ray_gap_mm)
 
 
-def test_a_refusal_carries_the_height_and_nothing_else():
-    message = refusal_message(NodalPointError("why"), 3, NOW_NS, 5, 4.0)
+def test_a_refusal_carries_the_height_and_nothing_else(small_bench):
+    inputs = SetInputs(
+        jpegs={},
+        sequence=3,
+        capture_time_ns=NOW_NS,
+        insertion_mm=4.0,
+        base_known=True,
+        points=MIDDLE_AND_TIP,
+    )
+    message = refusal_message(NodalPointError("why"), inputs, Refined(small_bench.scene()), 5)
     assert message.refusal == "why"
     assert message.insertion_mm == 4
     assert message.flags == message.node_names == message.stage_names == ()
@@ -156,4 +166,4 @@ def test_a_sensor_is_not_made_with_points_beyond_the_robot(small_bench):
     with pytest.raises(
         NodalPointError, match="nodal point tip at 80 mm is beyond the robot; allowed are 0 to 60 mm"
     ):
-        Sensor(small_bench.scene(), MIDDLE_AND_TIP, 60.0, 0.5)
+        Sensor(Refined(small_bench.scene()), MIDDLE_AND_TIP, 60.0, 0.5)

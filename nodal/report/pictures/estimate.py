@@ -12,7 +12,7 @@ from messaging.frames import CameraCalibration
 from messaging.shape import NodalPoints
 from nodal.report.pictures.style import MEASURED, NODE, picture, robot_axes
 from nodal.report.pictures.views import View, projected
-from sensing.pipeline import Shape
+from sensing.shape import Shape
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def draw_estimate(
     nodes: NodalPoints,
 ) -> list[Path]:
     """All three pictures of an estimate that has its stages; returns the files."""
-    views = [View.around(camera, jpegs[camera.camera], shape.centreline_mm) for camera in rig]
+    views = [View.around(camera, jpegs[camera.camera], shape.centreline.points_mm) for camera in rig]
     return [
         _centreline(folder / "figure-3-centreline.png", views, shape),
         _nodal_points(folder / "figure-4-nodal-points.png", shape, nodes),
@@ -37,17 +37,17 @@ def _centreline(path: Path, views: Sequence[View], shape: Shape) -> Path:
     """Figure 3: the triangulated skeleton in space beside what the cameras see."""
     with picture(path, 4.8 + 3.0 * len(views), 4.2) as figure:
         grid = figure.add_gridspec(1, 1 + len(views), width_ratios=(4.8, *(3.0,) * len(views)))
-        axes = robot_axes(figure, grid[0], shape.centreline_mm)
+        axes = robot_axes(figure, grid[0], shape.centreline.points_mm)
         if shape.stages:
             x, y, z = shape.stages.points_mm.T
             gaps = axes.scatter(x, y, z, c=shape.stages.gaps_mm, s=14, cmap="viridis", label="triangulated")
             figure.colorbar(gaps, ax=axes, shrink=0.6, pad=0.16, label="gap between paired rays, mm")
-        axes.plot(*shape.centreline_mm.T, color=MEASURED, label="centreline")
+        axes.plot(*shape.centreline.points_mm.T, color=MEASURED, label="centreline")
         axes.set_title("Triangulated skeleton and centreline")
         axes.legend(loc="upper left")
         for column, view in enumerate(views, start=1):
             seen = _camera_axes(figure.add_subplot(grid[column]), view, f"camera {view.calibration.camera}")
-            seen.plot(*projected(view.calibration, shape.centreline_mm).T, color=MEASURED)
+            seen.plot(*projected(view.calibration, shape.centreline.points_mm).T, color=MEASURED)
     return path
 
 
@@ -57,15 +57,15 @@ def _nodal_points(path: Path, shape: Shape, nodes: NodalPoints) -> Path:
     sigma_mm = np.sqrt(np.trace(covariance, axis1=1, axis2=2))
     with picture(path, 9.4, 4.6) as figure:
         grid = figure.add_gridspec(3, 2, width_ratios=(1.15, 1))
-        axes = robot_axes(figure, grid[:, 0], shape.centreline_mm)
-        axes.plot(*shape.centreline_mm.T, color=MEASURED)
+        axes = robot_axes(figure, grid[:, 0], shape.centreline.points_mm)
+        axes.plot(*shape.centreline.points_mm.T, color=MEASURED)
         axes.scatter(*node_mm.T, color=NODE, s=28, depthshade=False)
         for name, arc, place in zip(nodes.names, nodes.arc_mm, node_mm, strict=True):
             axes.text(*place, f"   {name}, {arc:g} mm", fontsize=8)
         axes.set_title(f"Nodal points, standard deviation at most {1000 * sigma_mm.max():.0f} µm")
         for row, axis in enumerate("xyz"):
             along = figure.add_subplot(grid[row, 1])
-            along.plot(shape.arc_mm, shape.centreline_mm[:, row], color=MEASURED)
+            along.plot(shape.centreline.arc_mm, shape.centreline.points_mm[:, row], color=MEASURED)
             along.plot(nodes.arc_mm, node_mm[:, row], "o", color=NODE, markersize=5)
             along.set_ylabel(f"{axis}, mm")
         along.set_xlabel("distance from the base along the centreline, mm")
@@ -90,7 +90,9 @@ def _stages(path: Path, views: Sequence[View], shape: Shape, nodes: NodalPoints)
                 _camera_axes(row[2], view, "skeleton", np.asarray(mask // 4, np.uint8))
                 row[2].plot(*silhouette.skeleton.T, ".", color="white", markersize=1.2)
             _camera_axes(row[3], view, "detected")
-            row[3].plot(*projected(view.calibration, shape.centreline_mm).T, color="#58c8ff", linewidth=1.2)
+            row[3].plot(
+                *projected(view.calibration, shape.centreline.points_mm).T, color="#58c8ff", linewidth=1.2
+            )
             places = projected(view.calibration, node_mm)
             row[3].plot(*places.T, "o", color=NODE, markeredgecolor="white", markersize=6)
             for label, (x, y) in zip(nodes.names, places, strict=True):

@@ -9,9 +9,9 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from sensing.backdrop import Image, luma
 from sensing.errors import ImageSizeError, UnreadableImageError
-from sensing.jpeg_crop import Box, crop
+from sensing.pictures.backdrop import Image, luma
+from sensing.pictures.jpeg_crop import Box, crop
 
 JPEG_START, JPEG_END = b"\xff\xd8", b"\xff\xd9"
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
-from sensing.backdrop import Image
+from sensing.pictures.backdrop import Image
 
 HALF_SAMPLES = 36
 MARGIN_PX = 14.0

@@ -1,18 +1,19 @@
 """What speaks against a fitted shape: flags with a fixed vocabulary (messaging.shape.Flag), from numbers of the fit."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import combinations
 
 import cv2
 import numpy as np
 
+from messaging.checked import FloatArray
 from messaging.shape import Flag
-from sensing import curve
-from sensing.camera import Camera
-from sensing.pairing import triangulate
-from sensing.refinement import Fit, Prior, predicted_outline
-from sensing.segmentation import Mask, small_pixels
+from sensing.geometry import curve
+from sensing.geometry.camera import Camera
+from sensing.geometry.rays import epipolar_angles, signed_gaps
+from sensing.pictures.segmentation import Mask, small_pixels
+from sensing.refined.refinement import Fit, Prior, ViewFit, predicted_outline
+from sensing.shape import Evidence
 
 LARGE_RESIDUAL_PX = 0.6
 STRETCH = curve.SAMPLES // 15
@@ -33,9 +34,9 @@ FAR_PX = 1e5
 """A curve that fits nothing may lie anywhere, and be of any size; drawing takes no coordinates beyond this."""
 
 
-def residual_px(fit: Fit) -> float:
-    """RMS over the cameras' normals that count, without the worst tenth: dust and disks' rims are not the curve's."""
-    residuals = np.sort(np.concatenate([np.abs(view.residual_px[view.valid]) for view in fit.views]))
+def residual_px(views: tuple[ViewFit, ...]) -> float:
+    """RMS over the normals that count, without the worst tenth: dust and disks' rims are not the curve's."""
+    residuals = np.sort(np.concatenate([np.abs(view.residual_px[view.valid]) for view in views]))
     kept = residuals[: max(int(0.9 * len(residuals)), 1)]
     return float(np.sqrt(np.mean(kept**2))) if residuals.size else float("nan")
 
@@ -46,9 +47,12 @@ def worst_stretch_px(fit: Fit) -> float:
     return float(np.lib.stride_tricks.sliding_window_view(off, STRETCH, axis=1).mean(axis=2).max())
 
 
-def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
-    """Mean gap between the rays of measured midlines at the same arc length, over all pairs of cameras."""
-    gaps = []
+def ray_gaps_mm(cameras: tuple[Camera, ...], fit: Fit) -> tuple[float, float]:
+    """Mean gap between the rays of measured midlines at the same arc length over all pairs of cameras, and its bias.
+
+    The bias is the largest mean of one pair's gaps with their sign. Both are NaN where no two cameras see the same stretch.
+    """
+    gaps, biases = [], []
     for (one, first), (other, second) in combinations(enumerate(cameras), 2):
         both = fit.views[one].valid & fit.views[other].valid
         if both.any():
@@ -56,22 +60,25 @@ def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
                 camera.rays(fit.views[index].middle_px[both])
                 for index, camera in ((one, first), (other, second))
             ]
-            gaps.append(triangulate(first, rays[0], second, rays[1])[1])
-    return float(np.concatenate(gaps).mean()) if gaps else float("nan")
+            signed = signed_gaps(first, rays[0], second, rays[1])
+            gaps.append(np.abs(signed))
+            biases.append(float(signed.mean()))
+    if not gaps:
+        return float("nan"), float("nan")
+    return float(np.concatenate(gaps).mean()), max(biases, key=abs)
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """How well a fit explains the pictures, and what speaks against it."""
-
-    residual_px: float
-    ray_gap_mm: float
-    flags: tuple[Flag, ...]
+def best_epipolar_angles(cameras: tuple[Camera, ...], fit: Fit) -> FloatArray:
+    """Angles (SAMPLES,) in rad to the epipolar direction of whichever two cameras see a point best."""
+    points, tangents = fit.curve.points_mm, curve.VELOCITY @ fit.curve.control_mm
+    pairs = [epipolar_angles(*pair, points, tangents) for pair in combinations(cameras, 2)]
+    return np.asarray(np.max(pairs, axis=0))
 
 
-def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[str, Mask]) -> Verdict:
+def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[str, Mask]) -> Evidence:
     """Judge a fit. `masks` are the silhouettes of a cold start; a warm one has none, and is judged by its edges alone."""
-    residual, gap = residual_px(fit), ray_gap_mm(cameras, fit)
+    residual = residual_px(fit.views)
+    gap, bias = ray_gaps_mm(cameras, fit)
     spread_mm = np.sqrt(np.linalg.eigvalsh(fit.covariance_mm2(JUDGED_POINTS))[:, -1])
     explained = [float(view.valid.mean()) for view in fit.views]
     end_mm = [abs(view.end.residual_px) * view.mm_per_px for view in fit.views if view.end]
@@ -93,7 +100,18 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
         Flag.LENGTH_MISMATCH: too_long or any(gap > END_TOLERANCE_MM for gap in end_mm),
         Flag.MERGED_SILHOUETTE: merged,
     }
-    return Verdict(residual, gap, tuple(flag for flag, raised in found.items() if raised))
+    return Evidence(
+        residual_px={
+            camera.name: residual_px((view,)) for camera, view in zip(cameras, fit.views, strict=True)
+        },
+        visible_mm={
+            camera.name: share * fit.curve.length_mm for camera, share in zip(cameras, explained, strict=True)
+        },
+        ray_gap_mm=gap,
+        ray_bias_mm=bias,
+        epipolar_angle_rad=best_epipolar_angles(cameras, fit),
+        flags=tuple(flag for flag, raised in found.items() if raised),
+    )
 
 
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
-from sensing.backdrop import SCALE, noise_level
-from sensing.camera import Camera
 from sensing.errors import RefusedError
+from sensing.geometry.camera import Camera
+from sensing.pictures.backdrop import SCALE, noise_level
 
 Mask = NDArray[np.uint8]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
-from sensing.segmentation import Mask
+from sensing.pictures.segmentation import Mask
 
 NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (1, -1))
 

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
-from sensing import curve
-from sensing.backdrop import Image
-from sensing.camera import Camera
-from sensing.edges import edge_pairs, ends
 from sensing.errors import RefusedError
+from sensing.geometry import curve
+from sensing.geometry.camera import Camera
+from sensing.pictures.backdrop import Image
+from sensing.refined.edges import edge_pairs, ends
 
 EDGE_PX = 0.25
 """Standard deviation of one measured middle, systematic part included."""

@@ -9,15 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from messaging.checked import FloatArray
-from sensing import curve
-from sensing.backdrop import SCALE, Backdrop, reduced
-from sensing.camera import Camera
 from sensing.errors import RefusedError
-from sensing.midline import half_width, midline
-from sensing.pairing import ordered_pairs, ray_gaps, triangulate
-from sensing.picture import Picture
-from sensing.refinement import Curve
-from sensing.segmentation import BaseView, Mask, full_pixels, robot_mask
+from sensing.geometry import curve
+from sensing.geometry.camera import Camera
+from sensing.geometry.rays import ray_gaps, triangulate
+from sensing.pictures.backdrop import SCALE, Backdrop, reduced
+from sensing.pictures.picture import Picture
+from sensing.pictures.segmentation import BaseView, full_pixels, robot_mask
+from sensing.refined.midline import half_width, midline
+from sensing.refined.refinement import Curve
+from sensing.refined.walk import ordered_pairs
+from sensing.scene import Scene
+from sensing.shape import Silhouette, Stages
 
 MIDLINE_POINTS = 100
 BASE_STRETCH = 0.05
@@ -25,46 +28,31 @@ BASE_STRETCH = 0.05
 
 
 @dataclass(frozen=True)
-class Silhouette:
-    """One camera's stages: mask (h, w) at detection size, skeleton (n, 2) and midline (MIDLINE_POINTS, 2) in full-size px."""
-
-    mask: Mask
-    skeleton: FloatArray
-    midline: FloatArray
-    half_width_px: float
-
-
-@dataclass(frozen=True)
 class ColdStart:
-    """The stages of a cold start: silhouettes by camera, triangulated points (n, 3), ray gaps (n,), and the first curve."""
+    """The first curve, and the stages that led to it."""
 
-    silhouettes: Mapping[str, Silhouette]
-    points_mm: FloatArray
-    gaps_mm: FloatArray
     curve: Curve
+    stages: Stages
 
 
 def cold_start(
-    cameras: tuple[Camera, ...],
-    pictures: Mapping[str, Picture],
-    backdrops: Mapping[str, Backdrop],
-    insertion_mm: float,
-    holder_radius_mm: float,
+    scene: Scene, pictures: Mapping[str, Picture], backdrops: Mapping[str, Backdrop], insertion_mm: float
 ) -> ColdStart:
     """Find the robot in every picture and in space; raises RefusedError naming the camera that does not show it."""
     silhouettes = {
         camera.name: _silhouette(
-            camera, pictures[camera.name], backdrops[camera.name], insertion_mm, holder_radius_mm
+            camera, pictures[camera.name], backdrops[camera.name], insertion_mm, scene.holder_radius_mm
         )
-        for camera in cameras
+        for camera in scene.cameras
     }
-    first, second = best_pair(cameras, np.array([0.0, 0.0, insertion_mm]))
-    rays = [camera.rays(silhouettes[camera.name].midline) for camera in (first, second)]
+    first, second = best_pair(scene.cameras, np.array([0.0, 0.0, insertion_mm]))
+    midlines = [_evened(silhouettes[camera.name]) for camera in (first, second)]
+    rays = [camera.rays(midline) for camera, midline in zip((first, second), midlines, strict=True)]
     i, j = ordered_pairs(ray_gaps(first, rays[0], second, rays[1]))
     points, gaps = triangulate(first, rays[0][i], second, rays[1][j])
     walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
     radius = silhouettes[first.name].half_width_px / _px_per_mm(first, points)
-    return ColdStart(silhouettes, points, gaps, _first_curve(points, walk, insertion_mm, radius))
+    return ColdStart(_first_curve(points, walk, insertion_mm, radius), Stages(silhouettes, points, gaps))
 
 
 def best_pair(cameras: tuple[Camera, ...], towards_mm: FloatArray) -> tuple[Camera, Camera]:
@@ -87,11 +75,14 @@ def _silhouette(
             f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * SCALE} px long"
         )
     width = half_width(mask)
-    return Silhouette(mask, full_pixels(skeleton), full_pixels(_evened(skeleton, width)), width * SCALE)
+    return Silhouette(mask, full_pixels(skeleton), width * SCALE)
 
 
-def _evened(skeleton: FloatArray, width: float) -> FloatArray:
-    """The skeleton evenly spaced; its last half width, where it runs into a corner of the end, goes straight on instead."""
+def _evened(silhouette: Silhouette) -> FloatArray:
+    """The midline (MIDLINE_POINTS, 2) in px: the skeleton evenly spaced; its last half width, where it runs into a corner
+    of the end, goes straight on instead.
+    """
+    skeleton, width = silhouette.skeleton, silhouette.half_width_px
     even = curve.resample(skeleton, 2 * MIDLINE_POINTS)
     arc = curve.arc_lengths(even)
     kept = even[arc <= max(arc[-1] - width, arc[-1] / 2)]

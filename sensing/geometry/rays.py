@@ -1,0 +1,47 @@
+"""Rays of two cameras: how far they pass from one another, where they meet, and how well a pair of cameras can tell."""
+
+import numpy as np
+
+from messaging.checked import FloatArray
+from sensing.geometry.camera import Camera
+
+
+def ray_gaps(first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray) -> FloatArray:
+    """Gaps (n, m) in mm between rays (n, 3) of one camera and rays (m, 3) of another."""
+    normal = np.cross(first_rays[:, None, :], second_rays[None, :, :])
+    length = np.linalg.norm(normal, axis=2)
+    baseline = second.centre_mm - first.centre_mm
+    return np.asarray(np.abs(normal @ baseline) / np.maximum(length, 1e-12))
+
+
+def triangulate(
+    first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Points (n, 3) midway between paired rays, each (n, 3), and the gaps (n,) between the rays, in mm."""
+    across = second.centre_mm - first.centre_mm
+    dot = np.einsum("ij,ij->i", first_rays, second_rays)
+    along_first, along_second = first_rays @ across, second_rays @ across
+    sine2 = np.maximum(1.0 - dot**2, 1e-12)
+    reach_first = (along_first - dot * along_second) / sine2
+    reach_second = (dot * along_first - along_second) / sine2
+    near_first = first.centre_mm + reach_first[:, None] * first_rays
+    near_second = second.centre_mm + reach_second[:, None] * second_rays
+    return (near_first + near_second) / 2, np.linalg.norm(near_first - near_second, axis=1)
+
+
+def signed_gaps(first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray) -> FloatArray:
+    """Gaps (n,) in mm between paired rays, each (n, 3): positive where the second passes on the side of first x second."""
+    normal = np.cross(first_rays, second_rays)
+    length = np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
+    return np.asarray(normal @ (second.centre_mm - first.centre_mm) / length)
+
+
+def epipolar_angles(first: Camera, second: Camera, points_mm: FloatArray, tangents: FloatArray) -> FloatArray:
+    """Angles (n,) in rad between a curve's tangents (n, 3) at points (n, 3) and the epipolar planes of two cameras.
+
+    Where the angle is 0 the curve runs along the epipolar direction, and its depth cannot be told by pairing pixels.
+    """
+    normals = np.cross(points_mm - first.centre_mm, points_mm - second.centre_mm)
+    sine = np.abs(np.einsum("ij,ij->i", normals, tangents))
+    size = np.linalg.norm(normals, axis=1) * np.linalg.norm(tangents, axis=1)
+    return np.asarray(np.arcsin(np.clip(sine / np.maximum(size, 1e-12), 0.0, 1.0)))

@@ -1,0 +1,1 @@
+"""Pictures as they come from cameras, and which of their pixels are robot."""

@@ -1,0 +1,1 @@
+"""The default method: a tube in space, fitted to the silhouettes' edges in all cameras at once."""

@@ -1,0 +1,120 @@
+"""From one set of pictures to the robot's shape, with or without a prior.
+
+With the last shape as prior the curve is refined at once, from brightness along short normals, and nothing else is
+looked at. Without one, or when that fit does not convince, the robot is found anew (`cold_start`).
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from sensing.errors import RefusedError
+from sensing.geometry.camera import Camera
+from sensing.pictures.backdrop import Backdrop
+from sensing.pictures.picture import Picture
+from sensing.refined import quality
+from sensing.refined.cold_start import ColdStart, cold_start
+from sensing.refined.fitted_line import FittedLine
+from sensing.refined.refinement import Curve, Fit, Patience, Prior, Tip, View, refine
+from sensing.refined.track import Track
+from sensing.scene import Scene
+from sensing.settings import MethodName
+from sensing.shape import Shape, Stages
+from sensing.stopwatch import Stopwatch
+
+AROUND_PX = 80
+"""Around the expected curve: the tube's half width, the reach of normals, and how far it may have moved."""
+COLD = Patience(rounds=8, enough_mm=0.01)
+WARM = Patience(rounds=4, enough_mm=0.5)
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The default method; see `sensing.method.Method`."""
+
+    name: ClassVar[MethodName] = MethodName.REFINED
+
+    scene: Scene
+
+    def estimate(
+        self,
+        pictures: Mapping[str, Picture],
+        insertion_mm: float,
+        last: Track | None,
+        clock: Callable[[], float],
+    ) -> Shape:
+        """Refine the last shape; where there is none, or where that does not convince, find the robot anew."""
+        watch = Stopwatch(clock)
+        if last is not None:
+            warm = self._warm(pictures, insertion_mm, last, watch)
+            if not warm.flags:
+                return replace(warm, stage_s=watch.laps)
+        return replace(self._cold(pictures, insertion_mm, watch), stage_s=watch.laps)
+
+    def _cold(self, pictures: Mapping[str, Picture], insertion_mm: float, watch: Stopwatch) -> Shape:
+        scene = self.scene
+        for camera in scene.cameras:
+            _ = pictures[camera.name].colour
+        watch.lap("decode")
+        backdrops = {
+            camera.name: scene.backdrops.get(camera.name) or Backdrop.fitted(pictures[camera.name].colour)
+            for camera in scene.cameras
+        }
+        watch.lap("backdrop")
+        found = cold_start(scene, pictures, backdrops, insertion_mm)
+        watch.lap("cold_start")
+        views = tuple(
+            View(camera, pictures[camera.name].luma, backdrops[camera.name].luma, np.zeros(2))
+            for camera in scene.cameras
+        )
+        prior = Prior(insertion_mm, scene.length_mm)
+        fits = {tip: refine(views, found.curve, prior, tip, COLD) for tip in Tip}
+        tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
+        watch.lap("refine")
+        shape = self._judged(fits[tip], Track(fits[tip].curve, tip, insertion_mm, backdrops), prior, found)
+        if not math.isfinite(shape.evidence.ray_gap_mm):
+            raise RefusedError("no two cameras see the same stretch of the robot where the curve says it is")
+        watch.lap("judge")
+        return shape
+
+    def _warm(
+        self, pictures: Mapping[str, Picture], insertion_mm: float, last: Track, watch: Stopwatch
+    ) -> Shape:
+        lift = np.array([0.0, 0.0, insertion_mm - last.insertion_mm])
+        start = Curve(last.curve.control_mm + lift, last.curve.length_mm, last.curve.radius_mm)
+        prior = Prior(insertion_mm, self.scene.length_mm)
+        views = tuple(
+            _view_around(camera, pictures[camera.name], last.backdrops[camera.name], start)
+            for camera in self.scene.cameras
+        )
+        watch.lap("decode")
+        fit = refine(views, start, prior, last.tip, WARM)
+        watch.lap("refine")
+        shape = self._judged(fit, Track(fit.curve, last.tip, insertion_mm, last.backdrops), prior, None)
+        watch.lap("judge")
+        return shape
+
+    def _judged(self, fit: Fit, track: Track, prior: Prior, found: ColdStart | None) -> Shape:
+        stages: Stages | None = None if found is None else found.stages
+        masks = {} if stages is None else {name: seen.mask for name, seen in stages.silhouettes.items()}
+        return Shape(
+            centreline=FittedLine(fit),
+            insertion_mm=prior.insertion_mm,
+            evidence=quality.judge(self.scene.cameras, fit, prior, masks),
+            stages=stages,
+            track=track,
+            stage_s={},
+        )
+
+
+def _view_around(camera: Camera, picture: Picture, backdrop: Backdrop, expected: Curve) -> View:
+    """The part of a picture in which an expected curve is looked for."""
+    pixels = camera.project(expected.points_mm)
+    low, high = np.floor(pixels.min(axis=0)) - AROUND_PX, np.ceil(pixels.max(axis=0)) + AROUND_PX
+    luma, (left, top, right, bottom) = picture.luma_around(
+        (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
+    )
+    return View(camera, luma, backdrop.luma[top:bottom, left:right], np.array([left, top], dtype=np.float64))
