@@ -28,7 +28,6 @@ CYCLE_NS = 10_000_000
 ARC_MM = np.linspace(0, 80, 81)
 NOTHING_SEEN = {
     "arc_mm": np.zeros(0),
-    "epipolar_angle_rad": np.zeros(0),
     "centreline_mm": np.zeros((0, 3)),
     "epipolar_angle_rad": np.zeros(0),
     "node_names": (),

@@ -195,6 +195,7 @@ def with_the_controller_begun_anew(story):
 NOTHING_SEEN = {
     "arc_mm": np.zeros(0),
     "centreline_mm": np.zeros((0, 3)),
+    "epipolar_angle_rad": np.zeros(0),
     "node_names": (),
     "node_arc_mm": np.zeros(0),
     "node_mm": np.zeros((0, 3)),
