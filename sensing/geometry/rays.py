@@ -45,3 +45,12 @@ def epipolar_angles(first: Camera, second: Camera, points_mm: FloatArray, tangen
     sine = np.abs(np.einsum("ij,ij->i", normals, tangents))
     size = np.linalg.norm(normals, axis=1) * np.linalg.norm(tangents, axis=1)
     return np.asarray(np.arcsin(np.clip(sine / np.maximum(size, 1e-12), 0.0, 1.0)))
+
+
+def best_pair(cameras: tuple[Camera, ...], towards_mm: FloatArray) -> tuple[Camera, Camera]:
+    """The two cameras whose sights of a point (3,) are nearest to a right angle: the best two to triangulate with."""
+    sights = np.array([towards_mm - camera.centre_mm for camera in cameras])
+    sights /= np.linalg.norm(sights, axis=1, keepdims=True)
+    cosines = np.abs(sights @ sights.T) + np.eye(len(cameras)) * 2
+    first, second = divmod(int(cosines.argmin()), len(cameras))
+    return cameras[first], cameras[second]

@@ -12,7 +12,7 @@ from messaging.checked import FloatArray
 from sensing.errors import RefusedError
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
-from sensing.geometry.rays import ray_gaps, triangulate
+from sensing.geometry.rays import best_pair, ray_gaps, triangulate
 from sensing.pictures.backdrop import SCALE, Backdrop, reduced
 from sensing.pictures.picture import Picture
 from sensing.pictures.segmentation import BaseView, full_pixels, robot_mask
@@ -53,15 +53,6 @@ def cold_start(
     walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
     radius = silhouettes[first.name].half_width_px / _px_per_mm(first, points)
     return ColdStart(_first_curve(points, walk, insertion_mm, radius), Stages(silhouettes, points, gaps))
-
-
-def best_pair(cameras: tuple[Camera, ...], towards_mm: FloatArray) -> tuple[Camera, Camera]:
-    """The two cameras whose sights of a point (3,) are nearest to a right angle: the best two to triangulate with."""
-    sights = np.array([towards_mm - camera.centre_mm for camera in cameras])
-    sights /= np.linalg.norm(sights, axis=1, keepdims=True)
-    cosines = np.abs(sights @ sights.T) + np.eye(len(cameras)) * 2
-    first, second = divmod(int(cosines.argmin()), len(cameras))
-    return cameras[first], cameras[second]
 
 
 def _silhouette(
