@@ -29,7 +29,8 @@ def random_bends(random: np.random.Generator, largest_rad: float = 1.3) -> Array
 def bent(size_rad: Sequence[float] | Array, heading_rad: Sequence[float] | Array) -> Array:
     """Bends (2, 2) of sections that bend by `size_rad` (2,) towards `heading_rad` (2,), counted from x towards y."""
     heading = np.asarray(heading_rad)
-    return np.asarray(size_rad)[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
+    bends: Array = np.asarray(size_rad)[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
+    return bends
 
 
 def centreline(bends_rad: Array) -> Array:
@@ -41,7 +42,8 @@ def centreline(bends_rad: Array) -> Array:
 
 def true_nodes(points_mm: Array) -> Array:
     """Nodal points (8, 3) at NODES_MM of a centreline (81, 3)."""
-    return points_mm[NODES_MM.astype(int)]
+    nodes: Array = points_mm[NODES_MM.astype(int)]
+    return nodes
 
 
 def renderers(

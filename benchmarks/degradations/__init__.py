@@ -1,0 +1,1 @@
+"""What cameras do to pictures, one case after the other, and what sensing makes of them."""

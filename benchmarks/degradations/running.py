@@ -1,0 +1,136 @@
+"""One level, one pose, one method: estimates without a prior and with one, held against the truth."""
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.stats import chi2
+
+from benchmarks.degradations.level import FRAME_S, Level
+from benchmarks.degradations.motions import Mover
+from benchmarks.degradations.scenery import Bench
+from benchmarks.poses import LENGTH_MM, NODES_MM, Array, true_nodes
+from sensing.errors import SensingError
+from sensing.method import METHODS, Method
+from sensing.refined.track import Track
+from sensing.scene import Scene
+from sensing.settings import MethodName
+from sensing.shape import Shape
+
+SILENT_MM = 1.0
+"""An estimate without a flag of which a nodal point is off by more is a silent error."""
+WARM_FRAMES = 3
+INSIDE = float(chi2(3).ppf(0.95))
+"""The squared Mahalanobis distance of the 95 % ellipsoid."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of one set of pictures: a shape, or words why there is none.
+
+    `error_mm` (8,) and `inside` (8,), whether the truth lies in the 95 % ellipsoid, are those of the nodal points;
+    both are empty without a shape. `broken` is a refusal nobody meant: an error that is not sensing's own.
+    """
+
+    warm: bool
+    frame: int
+    seconds: float
+    error_mm: Array
+    inside: Array
+    flags: tuple[str, ...]
+    refusal: str = ""
+    broken: bool = False
+
+    @property
+    def trusted(self) -> bool:
+        """A shape that nothing speaks against."""
+        return not (self.refusal or self.flags)
+
+    @property
+    def silent(self) -> bool:
+        """Wrong, and nothing says so."""
+        return self.trusted and not bool((self.error_mm <= SILENT_MM).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """An outcome, and what is needed to look at it again."""
+
+    outcome: Outcome
+    shape: Shape | None
+    pictures: Mapping[str, bytes]
+    truth_mm: Array
+
+
+def run(level: Level, method: MethodName, number: int) -> Iterator[Seen]:
+    """One estimate without a prior, then frame after frame from a shape found in undegraded pictures."""
+    scene = Scene.of(level.believed(level.bench.rig), length_mm=LENGTH_MM)
+    estimator = METHODS[method](scene)
+    frames = [level.pictures(number, frame * FRAME_S) for frame in range(WARM_FRAMES)]
+    motion = level.moves(number)
+    yield _judged(estimator, frames[0], None, motion.at(0.0), warm=False, frame=0)
+    track = _undegraded(level.bench, level.motion, method, number)
+    for frame, pictures in enumerate(frames):
+        seen = _judged(estimator, pictures, track, motion.at(frame * FRAME_S), warm=True, frame=frame)
+        track = None if seen.shape is None else seen.shape.track
+        yield seen
+
+
+def held_against(shape: Shape, truth_mm: Array) -> tuple[Array, Array]:
+    """Errors (8,) in mm of the nodal points against a centreline (81, 3), and which truth lies in its 95 % ellipsoid.
+
+    Raises NodalPointError when the shape is too short for them.
+    """
+    found_mm, covariance = shape.nodes(NODES_MM)
+    off = found_mm - true_nodes(truth_mm)
+    # a singular covariance claims to know a direction exactly, which no truth satisfies
+    distance = np.einsum("ni,nij,nj->n", off, np.linalg.pinv(covariance, hermitian=True), off)
+    return np.linalg.norm(off, axis=1), distance <= INSIDE
+
+
+def _judged(
+    method: Method,
+    pictures: Mapping[str, bytes],
+    track: Track | None,
+    truth_mm: Array,
+    *,
+    warm: bool,
+    frame: int,
+) -> Seen:
+    nothing = np.empty(0)
+    start = time.perf_counter()
+    try:
+        shape = _estimate(method, pictures, track)
+        seconds = time.perf_counter() - start
+        error_mm, inside = held_against(shape, truth_mm)
+    except Exception as error:  # noqa: BLE001  whatever it is belongs in the table, and must not end it
+        seconds = time.perf_counter() - start
+        broken = not isinstance(error, SensingError)
+        reason = f"{type(error).__name__}: {error}" if broken else str(error)
+        outcome = Outcome(warm, frame, seconds, nothing, nothing, (), reason, broken)
+        return Seen(outcome, None, pictures, truth_mm)
+    flags = tuple(map(str, shape.flags))
+    return Seen(Outcome(warm, frame, seconds, error_mm, inside, flags), shape, pictures, truth_mm)
+
+
+def _estimate(method: Method, pictures: Mapping[str, bytes], track: Track | None) -> Shape:
+    decoded_late = {name: method.scene.picture(name, data) for name, data in pictures.items()}
+    return method.estimate(decoded_late, 0.0, track, time.perf_counter)
+
+
+@lru_cache(maxsize=64)
+def _undegraded(bench: Bench, motion: Mover, method: MethodName, number: int) -> Track | None:
+    """The track one frame before the first, from undegraded pictures and a true calibration."""
+    clean = Level(name="undegraded", bench=bench, motion=motion)
+    estimator = METHODS[method](Scene.of(bench.rig, length_mm=LENGTH_MM))
+    seen = _judged(
+        estimator,
+        clean.pictures(number, -FRAME_S),
+        None,
+        clean.moves(number).at(-FRAME_S),
+        warm=False,
+        frame=-1,
+    )
+    return None if seen.shape is None else seen.shape.track
