@@ -4,6 +4,7 @@ NodalError
 `-- SensingError
 |-- UnreadableImageError    bytes that are not a whole picture
 |-- ImageSizeError          a picture whose size is not its calibration's
+|-- WorkAreaError           a work area that is not one of its camera's picture, or leaves the robot out
 |-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
 |-- NodalPointError         a nodal point that is not on the robot
 `-- MemoryMisfitError       a logged memory that is not sensing's, or of a scene with other cameras
@@ -22,6 +23,10 @@ class UnreadableImageError(SensingError):
 
 class ImageSizeError(SensingError):
     """A picture's size differs from the size its camera was calibrated at."""
+
+
+class WorkAreaError(SensingError):
+    """A work area is of no camera, reaches beyond the picture, or does not contain the base."""
 
 
 class RefusedError(SensingError):

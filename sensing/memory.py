@@ -8,8 +8,8 @@ from messaging.shape import NodalPoints
 from messaging.snapshot import freeze, thaw
 from sensing.errors import MemoryMisfitError
 from sensing.pictures.backdrop import Backdrop
-from sensing.refined.refinement import Curve, Tip
 from sensing.refined.track import Track
+from sensing.refined.tube import Curve, Tip
 from sensing.scene import Scene
 
 PACKAGES = ("sensing", "messaging")
@@ -17,7 +17,9 @@ PACKAGES = ("sensing", "messaging")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrackMemory:
-    """A `Track` without its pictures: backdrops that were fitted are kept as coefficients (10, 3), by camera."""
+    """A `Track` without its pictures. Of backdrops that were fitted the coefficients (10, 3) are kept, of others how the light
+    has changed (4,), both by camera.
+    """
 
     control_mm: FloatArray
     length_mm: float
@@ -25,6 +27,7 @@ class TrackMemory:
     tip: Tip
     insertion_mm: float
     surfaces: dict[str, FloatArray]
+    gains: dict[str, FloatArray]
 
     @classmethod
     def of(cls, track: Track) -> Self:
@@ -40,11 +43,18 @@ class TrackMemory:
                 for name, backdrop in track.backdrops.items()
                 if backdrop.surface is not None
             },
+            gains={
+                name: backdrop.gains
+                for name, backdrop in track.backdrops.items()
+                if backdrop.gains is not None
+            },
         )
 
     def track(self, scene: Scene) -> Track:
         """The track in this scene; raises MemoryMisfitError when that has other cameras or backdrops."""
         known = {**scene.backdrops, **self._fitted(scene)}
+        for name in self.gains.keys() & known.keys():
+            known[name] = known[name].relit(self.gains[name])
         if missing := [camera.name for camera in scene.cameras if camera.name not in known]:
             raise MemoryMisfitError(f"sensing's memory holds no backdrop of camera {', '.join(missing)}")
         return Track(

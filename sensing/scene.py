@@ -8,9 +8,12 @@ import numpy as np
 from messaging.checked import FloatArray
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings
+from sensing.errors import WorkAreaError
 from sensing.geometry.camera import Camera
 from sensing.pictures.backdrop import Backdrop
 from sensing.pictures.picture import Picture
+from sensing.pictures.segmentation import Limits
+from sensing.pictures.work_area import work_area_faults
 from sensing.settings import HOLDER_RADIUS_MM, SensingSettings
 
 
@@ -43,8 +46,12 @@ class Scene:
     ) -> "Scene":
         """The scene of these cameras; `backgrounds` are coded pictures without the robot, by camera.
 
-        Where there is none, `colour_rgb` stands in, if given. Raises UnreadableImageError or ImageSizeError.
+        Where there is none, `colour_rgb` stands in, if given. Raises UnreadableImageError or ImageSizeError, and
+        WorkAreaError for a work area of no camera, beyond the picture or without the base.
         """
+        areas = {name: np.asarray(corners, dtype=np.float64) for name, corners in (work_areas or {}).items()}
+        if faults := list(work_area_faults(areas, calibrations)):
+            raise WorkAreaError("; ".join(faults))
         backdrops = {}
         for calibration in calibrations:
             size = calibration.width_px, calibration.height_px
@@ -59,7 +66,7 @@ class Scene:
             backdrops=backdrops,
             length_mm=length_mm,
             holder_radius_mm=holder_radius_mm,
-            work_areas=work_areas or {},
+            work_areas=areas,
             threshold=threshold,
         )
 
@@ -81,6 +88,17 @@ class Scene:
             work_areas={name: np.array(corners) for name, corners in settings.work_area.items()},
             threshold=settings.threshold,
         )
+
+    def limits(self, camera: str) -> Limits:
+        """Where the robot can be in a camera's pictures."""
+        return Limits(self.holder_radius_mm, self.length_mm, self.work_areas.get(camera), self.threshold)
+
+    def backdrop(self, picture: Picture) -> Backdrop:
+        """What a picture's camera would see without the robot, in the picture's own light; raises UnreadableImageError."""
+        known = self.backdrops.get(picture.camera)
+        if known is None:
+            return Backdrop.fitted(picture.colour)
+        return known.in_light_of(picture.reduced(known.grid.step))
 
     def picture(self, camera: str, data: bytes) -> Picture:
         """The coded picture of one of the cameras; raises UnreadableImageError."""

@@ -4,105 +4,113 @@ The backdrop is a picture taken without the robot; failing that one colour; fail
 picture itself, which follows gradients and vignetting but neither folds nor the holder.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
+from sensing.pictures.grid import Grid
+from sensing.pictures.light import Image, light_gains, luma, relit
+from sensing.pictures.surface import Surface
 
-Image = NDArray[np.uint8]
+Distances = NDArray[np.float32]
+Window = tuple[slice, slice]
+"""Rows and columns of a part of a picture."""
 
-SCALE = 2
-"""Detection works on pictures this many times smaller; measuring does not."""
-FIT_STRIDE = 16
+WHOLE: Window = (slice(None), slice(None))
+LIGHT_STRIDE = 6
+"""Every so many detection pixels, across and down, are compared to learn how the light has changed."""
+SAME_LIGHT = 0.01
+"""A change of the light by less is not worth following: it is below one level."""
+SQUARES = np.arange(256, dtype=np.float32) ** 2
 
 
 @dataclass(frozen=True)
 class Backdrop:
-    """One camera's backdrop. `picture` (h, w, 3) BGR is complete at full size; `small` is the reduced one.
+    """One camera's backdrop: `small` (h, w, 3) BGR in detection pixels, and `luma` (H, W), its brightness at full size.
 
-    `surface` (10, 3) are the coefficients of a fitted one.
+    Colours between `low` and `high`, both like `small`, are the backdrop's: those that a pixel and its neighbours show.
+    `source` is the BGR picture (H, W, 3) without the robot, or a surface fitted to one with it; `gains` (4,) is
+    how much stronger the light on B, G, R and luma has become since, None for not at all.
     """
 
-    picture: Image
+    grid: Grid
     small: Image
+    low: Image
+    high: Image
     luma: Image
-    surface: FloatArray | None = None
+    source: Image | Surface
+    gains: FloatArray | None = None
 
     @classmethod
     def from_picture(cls, picture: Image) -> "Backdrop":
-        """The backdrop in a picture taken without the robot; noise is smoothed away."""
+        """The backdrop in a picture taken without the robot; noise is smoothed away.
+
+        A camera that was nudged, or a fold that moved, shows a neighbour's colour where there was another.
+        """
         smooth = np.asarray(cv2.GaussianBlur(picture, (0, 0), 1.0), dtype=np.uint8)
-        return cls(smooth, reduced(smooth), luma(smooth))
+        grid = Grid.of((picture.shape[1], picture.shape[0]))
+        small, near = grid.reduced(smooth), np.ones((3, 3), np.uint8)
+        low, high = (np.asarray(change(small, near), dtype=np.uint8) for change in (cv2.erode, cv2.dilate))
+        return cls(grid, small, low, high, luma(smooth), smooth)
 
     @classmethod
     def from_colour(cls, colour_bgr: tuple[float, float, float], size_px: tuple[int, int]) -> "Backdrop":
         """A backdrop of one colour (equation 1's R0, G0, B0, here in B, G, R order)."""
-        picture = np.full((size_px[1], size_px[0], 3), colour_bgr, dtype=np.float64).round().astype(np.uint8)
-        return cls(picture, reduced(picture), luma(picture))
+        grid = Grid.of(size_px)
+        picture = np.full((size_px[1], size_px[0], 3), np.round(colour_bgr), dtype=np.uint8)
+        small = grid.reduced(picture)
+        return cls(grid, small, small, small, luma(picture), picture)
 
     @classmethod
     def fitted(cls, picture: Image) -> "Backdrop":
-        """A cubic surface per colour through the picture's own background, by reweighted least squares.
-
-        Pixels that differ from the surface by more than a few times the typical difference (the robot, its holder)
-        lose their say from one round to the next.
-        """
-        height, width = picture.shape[:2]
-        colours = picture[::FIT_STRIDE, ::FIT_STRIDE].reshape(-1, 3).astype(np.float64)
-        y, x = np.mgrid[0:height:FIT_STRIDE, 0:width:FIT_STRIDE]
-        terms = _surface_terms(x.ravel() / width - 0.5, y.ravel() / height - 0.5)
-        weight = np.ones(len(colours))
-        coefficients: FloatArray = np.zeros((terms.shape[1], 3))
-        for _ in range(12):
-            weighted = terms.T * weight
-            coefficients = np.asarray(np.linalg.solve(weighted @ terms, weighted @ colours))
-            distance = np.linalg.norm(colours - terms @ coefficients, axis=1)
-            scale = 2.0 * np.median(distance) + 1.0
-            weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
-        return cls.from_surface(coefficients, (width, height))
+        """A smooth surface through the picture's own background."""
+        return cls.from_surface(Surface.fitted(picture).coefficients, (picture.shape[1], picture.shape[0]))
 
     @classmethod
     def from_surface(cls, coefficients: FloatArray, size_px: tuple[int, int]) -> "Backdrop":
         """The backdrop that was fitted with these coefficients (10, 3), at this size (width, height)."""
-        width, height = size_px
-        columns, rows = width // FIT_STRIDE, height // FIT_STRIDE
-        centres_y, centres_x = np.mgrid[0:rows, 0:columns]
-        across = (centres_x.ravel() + 0.5) / columns - 0.5 / width - 0.5
-        down = (centres_y.ravel() + 0.5) / rows - 0.5 / height - 0.5
-        surface = (_surface_terms(across, down) @ coefficients).reshape(rows, columns, 3).astype(np.float32)
-        smooth = cv2.resize(surface, (width, height), interpolation=cv2.INTER_LINEAR)
-        whole = np.asarray(smooth.clip(0, 255).round(), dtype=np.uint8)
-        return cls(whole, reduced(whole), luma(whole), coefficients)
+        grid, surface = Grid.of(size_px), Surface(coefficients)
+        small = surface.painted(size_px, grid.shape)
+        return cls(grid, small, small, small, surface.luma(size_px), surface)
 
-    def distance(self, small: Image) -> FloatArray:
-        """Equation 1: the Euclidean colour distance (h, w) between a reduced picture and the backdrop."""
-        difference = cv2.absdiff(small, self.small).astype(np.float32)
-        return np.asarray(np.sqrt(np.einsum("ijk,ijk->ij", difference, difference)))
+    @property
+    def surface(self) -> FloatArray | None:
+        """The coefficients (10, 3) of a fitted backdrop, None for any other."""
+        return self.source.coefficients if isinstance(self.source, Surface) else None
+
+    @property
+    def picture(self) -> Image:
+        """The backdrop as a BGR picture (H, W, 3) at full size, made when it is asked for."""
+        if isinstance(self.source, Surface):
+            return self.source.painted(self.grid.size_px, self.grid.size_px[::-1])
+        return self.source if self.gains is None else relit(self.source, self.gains[:3])
+
+    def in_light_of(self, small: Image) -> "Backdrop":
+        """The same backdrop under the light of a picture in detection pixels (exposure, lamps, white balance)."""
+        sparse = np.s_[::LIGHT_STRIDE, ::LIGHT_STRIDE]
+        pairs = [
+            np.concatenate([colours, luma(colours)[..., None]], axis=2).reshape(-1, 4)
+            for colours in (np.ascontiguousarray(picture[sparse]) for picture in (small, self.small))
+        ]
+        gains = light_gains(*pairs)
+        return self if np.abs(gains - 1.0).max() < SAME_LIGHT else self.relit(gains)
+
+    def relit(self, gains: FloatArray) -> "Backdrop":
+        """The same backdrop under light that is stronger by `gains` (4,)."""
+        small, low, high = (relit(picture, gains[:3]) for picture in (self.small, self.low, self.high))
+        return replace(self, small=small, low=low, high=high, luma=relit(self.luma, gains[3:]), gains=gains)
+
+    def distance(self, small: Image, window: Window = WHOLE) -> Distances:
+        """Equation 1: the Euclidean colour distance (h, w) of a part of a picture, in detection pixels, from the backdrop."""
+        # at every place and in every colour one of the two differences saturates at zero
+        outside = cv2.add(cv2.subtract(small, self.high[window]), cv2.subtract(self.low[window], small))
+        squares = cv2.transform(cv2.LUT(outside, SQUARES), np.ones((1, 3)))
+        return np.asarray(cv2.sqrt(squares), dtype=np.float32)
 
 
-def reduced(picture: Image) -> Image:
-    """The picture at detection size: each pixel the mean of SCALE x SCALE."""
-    return np.asarray(
-        cv2.resize(picture, None, fx=1 / SCALE, fy=1 / SCALE, interpolation=cv2.INTER_AREA), dtype=np.uint8
-    )
-
-
-def luma(picture: Image) -> Image:
-    """Brightness (h, w) of a BGR picture; a grey one is returned as it is."""
-    return (
-        picture
-        if picture.ndim == 2
-        else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
-    )
-
-
-def noise_level(distance: FloatArray) -> float:
+def noise_level(distance: Distances) -> float:
     """The typical colour distance of backdrop pixels: most of the picture is backdrop, so the median speaks for it."""
     return float(np.median(distance[::4, ::4]))
-
-
-def _surface_terms(x: FloatArray, y: FloatArray) -> FloatArray:
-    return np.column_stack([x**i * y**j for i in range(4) for j in range(4 - i)])

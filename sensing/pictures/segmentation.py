@@ -2,7 +2,11 @@
 
 The base is where the calibration says it is, so the robot is what stands out from the backdrop there and what hangs
 together with it; the threshold lies between the noise and the contrast seen at the base. Below the base, within the
-holder's radius, nothing is robot: that is how the holder, which may join the silhouette, is told from it.
+holder's radius, nothing is robot: that is how the holder, which may join the silhouette, is told from it. Nor is what
+the robot is too short to reach, or what lies outside of the work area.
+
+A soft shadow on the backdrop is the backdrop's own colour, darker: it is told from the robot wherever the robot's colour
+is another.
 """
 
 from dataclasses import dataclass
@@ -14,9 +18,14 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
-from sensing.pictures.backdrop import SCALE, noise_level
+from sensing.pictures.backdrop import Backdrop, Window, noise_level
+from sensing.pictures.grid import Grid
+from sensing.pictures.light import Image
+from sensing.pictures.work_area import work_area_mask
 
 Mask = NDArray[np.uint8]
+Places = tuple[NDArray[np.int_], ...]
+"""Rows and columns (n,)."""
 
 AXIS_MM: FloatArray = np.arange(3.0, 9.0, 0.5)
 """Heights above the base at which the robot's contrast is read off its nearly straight beginning."""
@@ -24,7 +33,25 @@ CONTRAST_SHARE = 0.4
 NOISE_FACTOR = 5.0
 LEAST_DISTANCE = 5.0
 """Colour distance that tells nothing from the backdrop, even where the backdrop shows no noise at all."""
-SMALLEST_ROBOT_PX = 150
+DEEPEST_SHADOW = 0.45
+"""A soft shadow leaves at least this share of the backdrop's level."""
+SMALLEST_ROBOT_MM2 = 10.0
+CLOSING = np.ones((5, 5), np.uint8)
+BEYOND_REACH = 1.1
+"""The picture is searched as far from the base as this many times the robot's length."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What is known of where the robot can be, and of how it differs from the backdrop.
+
+    `work_area` (n, 2) are a polygon's corners in px; `threshold` is equation 1's T, in levels.
+    """
+
+    holder_radius_mm: float
+    length_mm: float | None = None
+    work_area: FloatArray | None = None
+    threshold: float | None = None
 
 
 @dataclass(frozen=True)
@@ -40,60 +67,100 @@ class BaseView:
     def of(cls, camera: Camera, insertion_mm: float) -> "BaseView":
         """The base at this insertion."""
         heights = np.concatenate([[0.0], AXIS_MM]) + insertion_mm
-        pixels = small_pixels(camera.project(np.column_stack([0 * heights, 0 * heights, heights])))
+        places = np.column_stack([0 * heights, 0 * heights, heights])
+        pixels = Grid.of(camera.size_px).coarse(camera.project(places))
         along = pixels[-1] - pixels[0]
         length = float(np.linalg.norm(along))
         return cls(pixels[0], pixels[1:], along / length, length / AXIS_MM[-1])
 
 
-def small_pixels(pixels: FloatArray) -> FloatArray:
-    """Full-size pixel coordinates as detection-size ones; both count from pixel centres."""
-    return (pixels + 0.5) / SCALE - 0.5
-
-
-def full_pixels(pixels: FloatArray) -> FloatArray:
-    """Detection-size pixel coordinates as full-size ones."""
-    return (pixels + 0.5) * SCALE - 0.5
-
-
-def robot_mask(name: str, distance: FloatArray, base: BaseView, holder_radius_mm: float) -> Mask:
-    """The robot's pixels (255) in a colour-distance picture (h, w); raises RefusedError when there is no robot."""
-    height, width = distance.shape
+def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limits: Limits) -> Mask:
+    """The robot's pixels (255) in a picture (h, w, 3) in detection pixels; raises RefusedError when there is no robot."""
     columns, rows = base.axis_pixels.round().astype(int).T
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    inside = (columns >= 0) & (columns < small.shape[1]) & (rows >= 0) & (rows < small.shape[0])
     if not inside.any():
         raise RefusedError(f"camera {name}: the robot's base is outside the picture")
+    window = _searched(small.shape, base, limits)
+    top, left = window[0].start, window[1].start
+    at_base = rows[inside] - top, columns[inside] - left
+    distance = backdrop.distance(small[window], window)
+    if limits.work_area is not None:
+        distance[work_area_mask(limits.work_area, backdrop.grid)[window] == 0] = 0.0
     noise = noise_level(distance)
-    contrast = float(np.median(distance[rows[inside], columns[inside]]))
-    threshold = max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
-    if contrast < threshold:
+    contrast = float(np.median(distance[at_base]))
+    threshold = limits.threshold or max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+    if contrast <= threshold:
         raise RefusedError(
             f"camera {name}: nothing stands out from the backdrop where the robot leaves its base "
-            f"(colour distance {contrast:.0f}, backdrop {noise:.0f})"
+            f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {threshold:.0f})"
         )
     mask = np.where(distance > threshold, np.uint8(255), np.uint8(0))
-    mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)), dtype=np.uint8)
-    mask[_holder(mask.shape, base, holder_radius_mm)] = 0
-    return _component_at_base(name, mask, rows[inside], columns[inside])
+    if limits.threshold is None:
+        _drop_shadows(mask, small[window], backdrop.small[window], at_base, noise)
+    mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
+    _drop_holder(mask, base.pixel - (left, top), base, limits.holder_radius_mm)
+    whole = np.zeros(small.shape[:2], dtype=np.uint8)
+    whole[window] = _component_at_base(name, mask, at_base, SMALLEST_ROBOT_MM2 * base.px_per_mm**2)
+    return whole
 
 
-def _holder(shape: tuple[int, ...], base: BaseView, radius_mm: float) -> NDArray[np.bool_]:
-    y, x = np.ogrid[: shape[0], : shape[1]]
-    along = (x - base.pixel[0]) * base.up[0] + (y - base.pixel[1]) * base.up[1]
-    across = (y - base.pixel[1]) * base.up[0] - (x - base.pixel[0]) * base.up[1]
-    return np.asarray((along < 0) & (np.abs(across) < radius_mm * base.px_per_mm))
+def _searched(shape: tuple[int, ...], base: BaseView, limits: Limits) -> Window:
+    """The part of a picture that the robot can reach from its base."""
+    if limits.length_mm is None:
+        return slice(0, shape[0]), slice(0, shape[1])
+    reach = BEYOND_REACH * limits.length_mm * base.px_per_mm
+    low, high = np.floor(base.pixel - reach).astype(int), np.ceil(base.pixel + reach).astype(int)
+    return (
+        slice(max(low[1], 0), min(high[1], shape[0])),
+        slice(max(low[0], 0), min(high[0], shape[1])),
+    )
 
 
-def _component_at_base(name: str, mask: Mask, rows: NDArray[np.int_], columns: NDArray[np.int_]) -> Mask:
+def _drop_shadows(mask: Mask, picture: Image, empty: Image, at_base: Places, noise: float) -> None:
+    """Take out of a mask what has the backdrop's colour and is merely darker, where the robot's colour is another."""
+    _, own = _shade(picture[at_base], empty[at_base])
+    robot = float(np.median(own))
+    if robot < max(LEAST_DISTANCE, NOISE_FACTOR * noise):
+        return
+    places = np.nonzero(mask)
+    level, colour = _shade(picture[places], empty[places])
+    shadow = (level > DEEPEST_SHADOW) & (level < 1.0) & (colour < CONTRAST_SHARE * robot)
+    mask[places[0][shadow], places[1][shadow]] = 0
+
+
+def _shade(seen: Image, empty: Image) -> tuple[FloatArray, FloatArray]:
+    """The share (n,) of the backdrop's level that colours (n, 3) have, and their distance (n,) from that shade of it."""
+    colours, backdrop = seen.astype(np.float64), empty.astype(np.float64)
+    share = (colours * backdrop).sum(axis=1) / np.maximum((backdrop**2).sum(axis=1), 1.0)
+    return share, np.linalg.norm(colours - share[:, None] * backdrop, axis=1)
+
+
+def _drop_holder(mask: Mask, pixel: FloatArray, base: BaseView, radius_mm: float) -> None:
+    y, x = np.ogrid[: mask.shape[0], : mask.shape[1]]
+    along = (x - pixel[0]) * base.up[0] + (y - pixel[1]) * base.up[1]
+    across = (y - pixel[1]) * base.up[0] - (x - pixel[0]) * base.up[1]
+    mask[(along < 0) & (np.abs(across) < radius_mm * base.px_per_mm)] = 0
+
+
+def _component_at_base(name: str, mask: Mask, at_base: Places, smallest_px: float) -> Mask:
+    """What hangs together with the robot's beginning, small holes (glare, dust) filled."""
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    touched = labels[rows, columns]
+    touched = labels[at_base]
     touched = touched[touched > 0]
     if touched.size == 0:
         raise RefusedError(f"camera {name}: no robot is joined to its base")
     label = int(np.bincount(touched).argmax())
-    area = int(statistics[label, cv2.CC_STAT_AREA])
-    if area < SMALLEST_ROBOT_PX:
+    x, y, width, height, area = statistics[label]
+    if area < smallest_px:
         raise RefusedError(
-            f"camera {name}: what stands at the base is too small for a robot ({area * SCALE**2} px)"
+            f"camera {name}: what stands at the base is too small for a robot "
+            f"({area} px in detection, {smallest_px:.0f} at least)"
         )
-    return np.where(labels == label, np.uint8(255), np.uint8(0))
+    part = slice(y, y + height), slice(x, x + width)
+    around = np.pad(labels[part] != label, 1, constant_values=True).astype(np.uint8)
+    _, gaps, sizes, _ = cv2.connectedComponentsWithStats(around, connectivity=4)
+    open_gap = sizes[:, cv2.CC_STAT_AREA] >= smallest_px
+    open_gap[[0, gaps[0, 0]]] = False, True
+    robot = np.zeros_like(mask)
+    robot[part] = np.where(open_gap[gaps[1:-1, 1:-1]], np.uint8(0), np.uint8(255))
+    return robot

@@ -13,11 +13,11 @@ from sensing.errors import RefusedError
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import best_pair, ray_gaps, triangulate
-from sensing.pictures.backdrop import SCALE, Backdrop, reduced
+from sensing.pictures.backdrop import Backdrop
 from sensing.pictures.picture import Picture
-from sensing.pictures.segmentation import BaseView, full_pixels, robot_mask
+from sensing.pictures.segmentation import BaseView, Limits, robot_mask
 from sensing.refined.midline import half_width, midline
-from sensing.refined.refinement import Curve
+from sensing.refined.tube import Curve
 from sensing.refined.walk import ordered_pairs
 from sensing.scene import Scene
 from sensing.shape import Silhouette, Stages
@@ -41,7 +41,7 @@ def cold_start(
     """Find the robot in every picture and in space; raises RefusedError naming the camera that does not show it."""
     silhouettes = {
         camera.name: _silhouette(
-            camera, pictures[camera.name], backdrops[camera.name], insertion_mm, scene.holder_radius_mm
+            camera, pictures[camera.name], backdrops[camera.name], insertion_mm, scene.limits(camera.name)
         )
         for camera in scene.cameras
     }
@@ -56,17 +56,18 @@ def cold_start(
 
 
 def _silhouette(
-    camera: Camera, picture: Picture, backdrop: Backdrop, insertion_mm: float, holder_radius_mm: float
+    camera: Camera, picture: Picture, backdrop: Backdrop, insertion_mm: float, limits: Limits
 ) -> Silhouette:
     base = BaseView.of(camera, insertion_mm)
-    mask = robot_mask(camera.name, backdrop.distance(reduced(picture.colour)), base, holder_radius_mm)
+    grid = backdrop.grid
+    mask = robot_mask(camera.name, picture.reduced(grid.step), backdrop, base, limits)
     skeleton = midline(mask, base.pixel)
     if len(skeleton) < MIDLINE_POINTS // 5:
         raise RefusedError(
-            f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * SCALE} px long"
+            f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * grid.step} px long"
         )
     width = half_width(mask)
-    return Silhouette(mask, full_pixels(skeleton), width * SCALE)
+    return Silhouette(mask, grid.fine(skeleton), width * grid.step)
 
 
 def _evened(silhouette: Silhouette) -> FloatArray:
