@@ -40,6 +40,11 @@ class Camera:
         by_point = jacobian[:, 3:6].reshape(-1, 2, 3) @ self.rotation
         return np.asarray(pixels.reshape(-1, 2), dtype=np.float64), np.asarray(by_point)
 
+    def px_per_mm(self, points_mm: FloatArray) -> FloatArray:
+        """How large a millimetre across the sight appears at points (n, 3): (n,) in px/mm."""
+        _, jacobian = self.project_with_jacobian(points_mm)
+        return np.asarray(np.linalg.norm(jacobian, axis=(1, 2)) / np.sqrt(2.0))
+
     def rays(self, pixels: FloatArray) -> FloatArray:
         """Unit directions (n, 3) in the robot frame of the rays from `centre_mm` through pixels (n, 2)."""
         ideal = cv2.undistortPoints(

@@ -8,10 +8,11 @@ from sensing.geometry.camera import Camera
 
 def ray_gaps(first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray) -> FloatArray:
     """Gaps (n, m) in mm between rays (n, 3) of one camera and rays (m, 3) of another."""
-    normal = np.cross(first_rays[:, None, :], second_rays[None, :, :])
-    length = np.linalg.norm(normal, axis=2)
+    # (a x b) . c = (c x a) . b, and the sine of unit vectors' angle is |a x b|: two matrix products do
     baseline = second.centre_mm - first.centre_mm
-    return np.asarray(np.abs(normal @ baseline) / np.maximum(length, 1e-12))
+    product = np.cross(baseline, first_rays) @ second_rays.T
+    cosine = first_rays @ second_rays.T
+    return np.asarray(np.abs(product) / np.sqrt(np.maximum(1.0 - cosine**2, 1e-12)))
 
 
 def triangulate(

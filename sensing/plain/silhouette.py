@@ -1,0 +1,136 @@
+"""Which pixels are the robot, at full size (METHOD steps 2 and 3).
+
+Equation 1, area opening, morphological closing; then the part that is joined to the base. The holder is in view too, and
+often in one piece with the robot: the base's known place and direction say where the robot begins.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from messaging.checked import FloatArray
+from sensing.errors import RefusedError
+from sensing.geometry.camera import Camera
+from sensing.pictures.light import Image
+from sensing.pictures.segmentation import Mask
+
+AXIS_MM: FloatArray = np.arange(3.0, 9.0, 0.5)
+"""Heights above the base at which the robot is nearly straight: there its contrast is read, and it is joined there."""
+NOISE_STRIDE = 4
+NOISE_FACTOR = 5.0
+CONTRAST_SHARE = 0.4
+LEAST_LEVELS = 5.0
+SMALLEST_OBJECT_PX = 600
+"""Area opening drops what is smaller."""
+CLOSING_PX = 9
+
+
+@dataclass(frozen=True)
+class BaseSight:
+    """Where a camera sees the base: its pixel (2,), pixels (n, 2) of the axis above it, and what a millimetre is there."""
+
+    pixel: FloatArray
+    axis: NDArray[np.int_]
+    up: FloatArray
+    px_per_mm: float
+
+    @classmethod
+    def of(cls, camera: Camera, insertion_mm: float) -> "BaseSight":
+        """The base at this insertion; raises RefusedError when it is not in the picture."""
+        heights = insertion_mm + np.concatenate([[0.0], AXIS_MM])
+        pixels = camera.project(np.column_stack([0 * heights, 0 * heights, heights]))
+        along = pixels[-1] - pixels[0]
+        length = float(np.linalg.norm(along))
+        inside = ((pixels > -0.5) & (pixels < np.array(camera.size_px) - 0.5)).all(axis=1)
+        if not inside[1:].any():
+            raise RefusedError(f"camera {camera.name}: the robot's base is outside the picture")
+        axis = pixels[1:][inside[1:]].round().astype(int)
+        return cls(pixels[0], axis, along / length, length / AXIS_MM[-1])
+
+
+def colour_distance(picture: Image, backdrop: Image) -> NDArray[np.float32]:
+    """The square of equation 1's left side, (h, w), from two BGR pictures (h, w, 3)."""
+    square = np.zeros(picture.shape[:2], np.float32)
+    for difference in cv2.split(cv2.absdiff(picture, backdrop)):
+        cv2.accumulateSquare(difference, square)
+    return square
+
+
+def noise_threshold(square: NDArray[np.float32], robot: NDArray[np.int_]) -> float:
+    """Equation 1's T in levels: above the backdrop's noise, below the contrast at pixels (n, 2) that are the robot's."""
+    noise = float(np.sqrt(np.median(square[::NOISE_STRIDE, ::NOISE_STRIDE])))
+    contrast = float(np.sqrt(np.median(square[robot[:, 1], robot[:, 0]])))
+    return max(LEAST_LEVELS, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+
+
+def area_opened(mask: Mask, least_px: int = SMALLEST_OBJECT_PX) -> Mask:
+    """The mask (0 or 255) without its parts of fewer pixels than this."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8, ltype=cv2.CV_16U)
+    kept = np.where(statistics[:, cv2.CC_STAT_AREA] >= least_px, np.uint8(255), np.uint8(0))
+    kept[0] = 0
+    return np.asarray(kept[labels])
+
+
+def closed(mask: Mask, size_px: int = CLOSING_PX) -> Mask:
+    """The mask with gaps filled and its border smoothed."""
+    disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size_px, size_px))
+    return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disk), dtype=np.uint8)
+
+
+def without_holder(mask: Mask, base: BaseSight, radius_mm: float) -> Mask:
+    """The mask without what lies below the base and within this distance of its axis."""
+    across = np.array([-base.up[1], base.up[0]]) * radius_mm * base.px_per_mm
+    down = -base.up * sum(mask.shape)
+    corners = base.pixel + np.array([across, across + down, down - across, -across])
+    return np.asarray(cv2.fillConvexPoly(mask.copy(), corners.round().astype(np.int32), 0))
+
+
+def joined_to_base(mask: Mask, base: BaseSight) -> Mask:
+    """The one part of the mask that covers most of the axis above the base; all 0 where none does."""
+    _, labels = cv2.connectedComponents(mask, connectivity=8, ltype=cv2.CV_16U)
+    touched = labels[base.axis[:, 1], base.axis[:, 0]]
+    touched = touched[touched > 0]
+    if not touched.size:
+        return np.zeros_like(mask)
+    return np.where(labels == np.bincount(touched).argmax(), np.uint8(255), np.uint8(0))
+
+
+def silhouette(
+    camera: Camera,
+    picture: Image,
+    backdrop: Image,
+    base: BaseSight,
+    *,
+    holder_radius_mm: float,
+    work_area: FloatArray | None,
+    threshold: float | None,
+) -> Mask:
+    """The robot's pixels (h, w), 255, in a BGR picture (h, w, 3); raises RefusedError when there is no robot.
+
+    `work_area` is a polygon (n, 2) in px, or None for the whole picture; `threshold` is equation 1's T in levels, or None
+    for one that follows from noise and contrast.
+    """
+    square = colour_distance(picture, backdrop)
+    levels = noise_threshold(square, base.axis) if threshold is None else threshold
+    mask = np.asarray(cv2.compare(square, levels**2, cv2.CMP_GT), dtype=np.uint8)
+    if work_area is not None:
+        inside = cv2.fillPoly(np.zeros_like(mask), [work_area.round().astype(np.int32)], 255)
+        mask = np.asarray(cv2.bitwise_and(mask, inside), dtype=np.uint8)
+    robot = joined_to_base(without_holder(closed(area_opened(mask)), base, holder_radius_mm), base)
+    if not robot.any():
+        raise RefusedError(
+            f"camera {camera.name}: nothing stands out from the backdrop where the robot leaves its base "
+            f"(threshold {levels:.0f} levels)"
+        )
+    return robot
+
+
+def reaches_rim(mask: Mask, work_area: FloatArray | None) -> bool:
+    """Whether a mask (h, w) touches the rim of its picture, or of its work area (n, 2) in px."""
+    height, width = mask.shape
+    corners = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]])
+    outlines = [corners] if work_area is None else [corners, work_area.round().astype(np.int32)]
+    rim = cv2.polylines(np.zeros_like(mask), [line.astype(np.int32) for line in outlines], True, 255, 3)  # noqa: FBT003
+    return bool(cv2.bitwise_and(mask, rim).any())
