@@ -8,6 +8,7 @@ from benchmarks.degradations import level, rigs
 from benchmarks.degradations.level import FRAME_S, Case, Level
 from benchmarks.degradations.rigs import Rig
 from benchmarks.degradations.scenery import Bench
+from benchmarks.poses import Array
 from messaging.frames import CameraCalibration
 
 FOCAL_PX = 1440.0
@@ -22,6 +23,14 @@ def _wrong(change: Callable[[CameraCalibration], CameraCalibration]) -> Callable
 
 def _turned(axis: tuple[float, float, float], angle_rad: float) -> Callable[[Rig], Rig]:
     return _wrong(lambda camera: rigs.turned(camera, axis, angle_rad))
+
+
+def _moved(by_mm: Array) -> Callable[[Rig], Rig]:
+    return _wrong(lambda camera: rigs.moved(camera, by_mm))
+
+
+def _zoomed(factor: float) -> Callable[[Rig], Rig]:
+    return _wrong(lambda camera: rigs.zoomed(camera, factor))
 
 
 def _late(by_s: float) -> Callable[[str, float], float]:
@@ -45,12 +54,9 @@ def _wrongly_calibrated() -> tuple[Level, ...]:
         for px in (3.0, 10.0, 30.0)
     ]
     rolls = [(f"rolled {degrees:g} degrees", _turned(Z, np.deg2rad(degrees))) for degrees in (0.3, 1.0)]
-    zooms = [
-        (f"focal length {share:+.0%}", _wrong(lambda camera, share=share: rigs.zoomed(camera, 1 + share)))
-        for share in (0.01, 0.03)
-    ]
+    zooms = [(f"focal length {share:+.0%}", _zoomed(1 + share)) for share in (0.01, 0.03)]
     shifts = [
-        (f"{mm:g} mm {way}", _wrong(lambda camera, by=tuple(mm * np.array(axis)): rigs.moved(camera, by)))
+        (f"{mm:g} mm {way}", _moved(mm * np.array(axis)))
         for way, axis in (("sideways", X), ("upwards", Y), ("nearer", Z))
         for mm in (1.0, 3.0)
     ]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike
 
 from benchmarks.degradations.scenery import Image, Sight
 from benchmarks.poses import Array
@@ -125,14 +126,14 @@ def with_stick(
 def _robot(picture: Image, sight: Sight) -> Array:
     """How much of each pixel (h, w) the robot is, 0 to 1, by how far it stands out from the empty scene."""
     apart = cv2.absdiff(picture, sight.empty).max(axis=2).astype(np.float32)
-    return np.clip((apart - 4) / 20, 0, 1)
+    return np.asarray(np.clip((apart - 4) / 20, 0, 1))
 
 
 def _polygon(picture: Image, corners: Array) -> Array:
     """How much of each pixel (h, w) a convex polygon (n, 2) covers, its edges as soft as the lens makes them."""
     share = np.zeros(picture.shape[:2], np.uint8)
     cv2.fillConvexPoly(share, np.rint(16 * corners).astype(np.int32), 255, cv2.LINE_AA, shift=4)
-    return cv2.GaussianBlur(share, (0, 0), 0.8).astype(np.float32) / 255
+    return np.asarray(cv2.GaussianBlur(share, (0, 0), 0.8) / 255.0)
 
 
 def _disc(
@@ -161,9 +162,9 @@ def _scaled(picture: Image, factor: Array) -> Image:
     return _rounded(picture * np.asarray(factor, np.float32)[..., None])
 
 
-def _rounded(levels: Array) -> Image:
+def _rounded(levels: ArrayLike) -> Image:
     return _bytes(np.clip(np.rint(levels), 0, 255))
 
 
-def _bytes(picture: Array) -> Image:
+def _bytes(picture: ArrayLike) -> Image:
     return np.asarray(picture, dtype=np.uint8)

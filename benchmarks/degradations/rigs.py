@@ -83,8 +83,8 @@ def turned(
     return _changed(camera, pose=_pose(turn @ pose[:3, :3], turn @ pose[:3, 3]))
 
 
-def moved(camera: CameraCalibration, by_mm: tuple[float, float, float]) -> CameraCalibration:
-    """The camera moved along the axes of its own frame."""
+def moved(camera: CameraCalibration, by_mm: Array) -> CameraCalibration:
+    """The camera moved by (3,) along the axes of its own frame."""
     pose = camera.camera_from_robot.copy()
     pose[:3, 3] -= by_mm
     return _changed(camera, pose=pose)
@@ -100,6 +100,14 @@ def zoomed(camera: CameraCalibration, factor: float) -> CameraCalibration:
 def undistorted(camera: CameraCalibration) -> CameraCalibration:
     """The camera with a lens that does not distort."""
     return _changed(camera, distortion=np.zeros(5))
+
+
+def project(camera: CameraCalibration, points_mm: Array) -> Array:
+    """Where a camera sees points (n, 3): pixels (n, 2)."""
+    pose = camera.camera_from_robot
+    turn = cv2.Rodrigues(pose[:3, :3])[0]
+    seen = cv2.projectPoints(points_mm, turn, pose[:3, 3], camera.intrinsics, camera.distortion)[0]
+    return np.asarray(seen[:, 0], dtype=np.float64)
 
 
 def _centre(right_px: float, down_px: float) -> Array:

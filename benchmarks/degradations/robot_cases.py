@@ -19,8 +19,8 @@ def _azimuth(camera_eye_mm: Array) -> float:
 
 def _beside(apart_mm: float) -> optics.Optics:
     """A stick that stands upright beside the base."""
-    foot = np.array([apart_mm, 0.0, 0.0])
-    return optics.with_stick(lambda _: (foot, foot + [0.0, 0.0, 70.0]))
+    foot, top = np.array([apart_mm, 0.0, 0.0]), np.array([apart_mm, 0.0, 70.0])
+    return optics.with_stick(lambda _: (foot, top))
 
 
 def _crossing(arc_mm: int, from_mm: tuple[float, float, float]) -> optics.Optics:

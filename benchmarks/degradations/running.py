@@ -44,6 +44,11 @@ class Outcome:
     broken: bool = False
 
     @property
+    def start(self) -> str:
+        """How the estimate began."""
+        return f"warm-{self.frame}" if self.warm else "cold"
+
+    @property
     def trusted(self) -> bool:
         """A shape that nothing speaks against."""
         return not (self.refusal or self.flags)

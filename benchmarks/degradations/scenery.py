@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.degradations.rigs import Rig
+from benchmarks.degradations.rigs import Rig, project
 from benchmarks.poses import Array, centreline, renderers
 from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.rig import default_cameras
@@ -78,15 +78,7 @@ class Sight:
 
     def pixels(self, points_mm: Array) -> Array:
         """Where points (n, 3) are seen (n, 2)."""
-        pose = self.camera.camera_from_robot
-        seen = cv2.projectPoints(
-            points_mm,
-            cv2.Rodrigues(pose[:3, :3])[0],
-            pose[:3, 3],
-            self.camera.intrinsics,
-            self.camera.distortion,
-        )[0]
-        return np.asarray(seen[:, 0], dtype=np.float64)
+        return project(self.camera, points_mm)
 
     def px_per_mm(self, point_mm: Array) -> float:
         """The scale at a point (3,)."""

@@ -2,12 +2,14 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from benchmarks.degradations.running import Outcome
+from benchmarks.poses import Array
 
 COLUMNS = (
     "case",
@@ -114,18 +116,12 @@ def cells(row: Row) -> tuple[str, ...]:
     )
 
 
-def as_text(lines: Iterable[Sequence[str]]) -> str:
-    """Columns one under the other."""
-    table = [tuple(line) for line in lines]
-    widths = [max(len(line[column]) for line in table) for column in range(len(COLUMNS))]
-    words = {0, 1, len(COLUMNS) - 1}
-    return "\n".join(
-        "  ".join(
-            text.ljust(width) if column in words else text.rjust(width)
-            for column, (text, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in table
-    )
+def as_line(texts: Sequence[str], case_width: int, level_width: int) -> str:
+    """Texts of one line of the printed table, under those of other lines of the same widths."""
+    widths = [case_width, level_width, *(max(len(name), 7) for name in COLUMNS[2:-1])]
+    words = [text.ljust(width) for text, width in zip(texts[:2], widths, strict=False)]
+    figures = [text.rjust(width) for text, width in zip(texts[2:-1], widths[2:], strict=True)]
+    return "  ".join([*words, *figures, texts[-1]]).rstrip()
 
 
 def as_markdown(rows: Iterable[Row]) -> str:
@@ -136,15 +132,19 @@ def as_markdown(rows: Iterable[Row]) -> str:
 
 
 def as_json(rows: Iterable[Row]) -> str:
-    """A list of objects; what there is no figure for is null."""
-    plain = [
-        {
-            name: None if isinstance(value, float) and np.isnan(value) else value
-            for name, value in asdict(row).items()
-        }
-        for row in rows
-    ]
-    return json.dumps(plain, indent=1)
+    """A list of objects, one for each row; what there is no figure for is null."""
+    return json.dumps([_without_nan(asdict(row)) for row in rows], indent=1) + "\n"
+
+
+def _without_nan(values: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: _without_nan(value)
+        if isinstance(value, dict)
+        else None
+        if isinstance(value, float) and np.isnan(value)
+        else value
+        for name, value in values.items()
+    }
 
 
 def _reasons(reasons: dict[str, int]) -> str:
@@ -159,5 +159,5 @@ def _mm(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.3f}"
 
 
-def _of(figure, values) -> float:  # noqa: ANN001
-    return float(figure(values)) if len(values) else float("nan")
+def _of(figure: Callable[[Array], Any], values: Sequence[float] | Array) -> float:
+    return float(figure(np.asarray(values))) if len(values) else float("nan")
