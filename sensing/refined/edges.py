@@ -2,7 +2,8 @@
 
 Brightness is read along normals of the predicted midline. Walking outwards from the middle, an edge lies where the
 contrast falls through half of its height; the height is then taken anew from a few pixels inside and outside of that
-place, because shading makes the tube's two sides differ. A spacer disk widens both sides alike and leaves the middle.
+place, because shading makes the tube's two sides differ. A spacer disk widens the silhouette on both sides alike and
+leaves the middle.
 """
 
 from dataclasses import dataclass
@@ -14,11 +15,17 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.pictures.backdrop import Image
 
-HALF_SAMPLES = 36
-MARGIN_PX = 14.0
-"""How far beyond the predicted edges normals reach."""
+SPACING_PX = 0.8
+"""Along normals brightness is read at least as densely as this."""
+MOST_SAMPLES = 400
+"""A tube that is wider than this allows is read less densely; so is what a fit that went astray takes for one."""
+LEAST_MARGIN_PX = 6.0
 LEAST_CONTRAST = 3.0
 """Linear brightness, out of 255, by which the robot must differ from the backdrop at an edge."""
+BLUR_PX = 2.5
+"""An edge is blurred over no more than this to either side."""
+NEARBY = 6
+"""The local half height is met within so many samples of the first crossing."""
 
 _CODE = np.arange(256) / 255.0
 LINEAR: FloatArray = 255.0 * np.where(_CODE <= 0.04045, _CODE / 12.92, ((_CODE + 0.055) / 1.055) ** 2.4)
@@ -35,70 +42,92 @@ class EdgePair:
     valid: NDArray[np.bool_]
 
 
+@dataclass(frozen=True)
+class Walk:
+    """Where brightness is read along n lines: at offsets (n, m) px from places of theirs, evenly `step` (n,) px apart."""
+
+    offsets: FloatArray
+    step: FloatArray
+
+    @classmethod
+    def across(cls, half_widths: FloatArray, margin_px: FloatArray) -> "Walk":
+        """To both sides of a middle, beyond the predicted half widths (n,) by a margin (n,); odd in number."""
+        reach = 1.1 * half_widths + np.maximum(margin_px, LEAST_MARGIN_PX)
+        half = _samples(reach)
+        step = reach / half
+        return cls(np.arange(-half, half + 1) * step[:, None], step)
+
+    @classmethod
+    def onwards(cls, reach_px: FloatArray) -> "Walk":
+        """From a place as far as `reach_px` (n,)."""
+        count = _samples(reach_px)
+        step = reach_px / count
+        return cls(np.arange(count + 1) * step[:, None], step)
+
+
+def _samples(reach_px: FloatArray) -> int:
+    return int(min(np.ceil(reach_px.max(initial=SPACING_PX) / SPACING_PX), MOST_SAMPLES))
+
+
 def contrast(picture: Image, backdrop: Image, places: FloatArray) -> FloatArray:
-    """Backdrop minus picture in linear light at places (..., 2) given as (x, y) px, bilinearly; 0 outside of the picture."""
+    """Backdrop minus picture in linear light at places (..., 2) given as (x, y) px, bilinearly; beyond the picture its rim."""
     x, y = (places[..., axis].astype(np.float32) for axis in (0, 1))
     seen, empty = (
         cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         for source in (picture, backdrop)
     )
-    return np.asarray((LINEAR[empty] - LINEAR[seen]).reshape(x.shape))
+    return np.asarray(LINEAR[empty] - LINEAR[seen]).reshape(x.shape)
 
 
-def edge_pairs(
-    picture: Image, backdrop: Image, middles: FloatArray, normals: FloatArray, half_widths: FloatArray
-) -> EdgePair:
-    """Edges along unit normals (n, 2) through predicted middles (n, 2), near predicted half widths (n,) in px."""
-    step = (1.1 * half_widths + MARGIN_PX) / HALF_SAMPLES
-    offsets = np.arange(-HALF_SAMPLES, HALF_SAMPLES + 1) * step[:, None]
-    profile = contrast(picture, backdrop, middles[:, None, :] + offsets[..., None] * normals[:, None, :])
-    inner = np.abs(offsets) < 0.5 * half_widths[:, None]
-    height = np.sum(profile * inner, axis=1) / np.maximum(inner.sum(axis=1), 1)
+def edge_pairs(profile: FloatArray, walk: Walk, half_widths: FloatArray) -> EdgePair:
+    """The edges in contrast (n, m) along walks across tubes of these predicted half widths (n,) in px."""
+    half = profile.shape[1] // 2
+    inside = np.abs(walk.offsets) < 0.5 * half_widths[:, None]
+    height = np.sum(profile * inside, axis=1) / np.maximum(np.count_nonzero(inside, axis=1), 1)
     profile = profile * np.sign(height)[:, None]
-    outwards = np.vstack([profile[:, HALF_SAMPLES:], profile[:, HALF_SAMPLES::-1]])
-    distance, found = _edge(outwards, np.tile(np.abs(height), 2), np.tile(step, 2))
+    outwards = np.concatenate([profile[:, half:], profile[:, half::-1]])
+    blur = np.minimum(BLUR_PX, 0.25 * half_widths)
+    distance, found = _edge(outwards, np.abs(height), walk.step, blur)
     (right, left), seen = distance.reshape(2, -1), found.reshape(2, -1).all(axis=0)
     return EdgePair((right - left) / 2, (right + left) / 2, seen & (np.abs(height) > LEAST_CONTRAST))
 
 
-def ends(
-    picture: Image, backdrop: Image, starts: FloatArray, directions: FloatArray, reach_px: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Distances (n,) in px from `starts` (n, 2) along unit `directions` (n, 2) to the silhouette's end, and which were seen."""
-    step = reach_px / (2 * HALF_SAMPLES)
-    offsets = np.arange(2 * HALF_SAMPLES + 1) * step[:, None]
-    profile = contrast(picture, backdrop, starts[:, None, :] + offsets[..., None] * directions[:, None, :])
-    height = np.median(profile[:, : HALF_SAMPLES // 3], axis=1)
-    distance, found = _edge(profile * np.sign(height)[:, None], np.abs(height), step)
+def ends(profile: FloatArray, walk: Walk) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Distances (n,) in px to the silhouette's end in contrast (n, m) along walks onwards, and which were seen."""
+    height = np.median(profile[:, : profile.shape[1] // 6], axis=1)
+    blur = np.full(len(profile), BLUR_PX)
+    distance, found = _edge(profile * np.sign(height)[:, None], np.abs(height), walk.step, blur)
     return distance, found & (np.abs(height) > LEAST_CONTRAST)
 
 
-def _edge(profile: FloatArray, height: FloatArray, step: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Distance (n,) from the first column at which profiles (n, m) fall through half of their local height."""
+def _edge(
+    profile: FloatArray, height: FloatArray, step: FloatArray, blur: FloatArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Distance (n,) from the first column at which profiles (n, m) fall through half of their local height.
+
+    Heights, steps and blurs are those of the first so many profiles, and of as many again if there are more.
+    """
+    height, step, blur = (np.resize(each, len(profile)) for each in (height, step, blur))
     rows = np.arange(len(profile))
     below = profile < 0.5 * height[:, None]
     first = below.argmax(axis=1)
     last = profile.shape[1] - 1
-    reach = np.maximum((2.5 / step).astype(int), 1)
-    found = below.any(axis=1) & (first > reach) & (first < last)
-    first = np.clip(first, 1, last)
-    inside = _mean_of_two(profile, rows, first - 2 * reach, first - reach - reach // 2)
-    outside = _mean_of_two(profile, rows, first + reach + reach // 2, first + 2 * reach)
-    level = (inside + outside) / 2
-    # the local level is met within a few pixels of the first crossing: take the last sample above it, seen from outside
-    window = np.clip(first[:, None] + np.arange(-6, 7), 0, last)
+    reach = np.maximum((blur / step).astype(int), 1)
+    found = below[rows, first] & (first > reach) & (first < last)
+    first = np.minimum(np.maximum(first, 1), last)
+    columns = first[:, None] + np.multiply.outer(reach, [-2.0, -1.5, 1.5, 2.0]).astype(int)
+    levels = profile[rows[:, None], np.minimum(np.maximum(columns, 0), last)]
+    level = levels.mean(axis=1)
+    # of the places nearby where the profile falls through this level, the one next to the first crossing
+    window = np.minimum(np.maximum(first[:, None] + np.arange(-NEARBY, NEARBY + 1), 0), last)
     nearby = profile[rows[:, None], window]
-    crossing = (nearby[:, :-1] >= level[:, None]) & (nearby[:, 1:] < level[:, None])
-    distance = np.where(crossing, np.abs(np.arange(-6, 6) + 0.5), np.inf)
-    chosen = distance.argmin(axis=1)
-    found &= crossing.any(axis=1)
+    above = nearby >= level[:, None]
+    crossing = above[:, :-1] & ~above[:, 1:]
+    chosen = np.where(crossing, _AWAY, np.inf).argmin(axis=1)
+    found &= crossing[rows, chosen]
     high, low = nearby[rows, chosen], nearby[rows, chosen + 1]
     fraction = (high - level) / np.where(high > low, high - low, 1.0)
     return (window[rows, chosen] + fraction) * step, found
 
 
-def _mean_of_two(
-    profile: FloatArray, rows: NDArray[np.int_], one: NDArray[np.int_], other: NDArray[np.int_]
-) -> FloatArray:
-    last = profile.shape[1] - 1
-    return (profile[rows, np.clip(one, 0, last)] + profile[rows, np.clip(other, 0, last)]) / 2
+_AWAY = np.abs(np.arange(-NEARBY, NEARBY) + 0.5)

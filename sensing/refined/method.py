@@ -18,8 +18,10 @@ from sensing.pictures.picture import Picture
 from sensing.refined import quality
 from sensing.refined.cold_start import ColdStart, cold_start
 from sensing.refined.fitted_line import FittedLine
-from sensing.refined.refinement import Curve, Fit, Patience, Prior, Tip, View, refine
+from sensing.refined.measuring import View
+from sensing.refined.refinement import Fit, Patience, Prior, refine
 from sensing.refined.track import Track
+from sensing.refined.tube import Curve, Tip
 from sensing.scene import Scene
 from sensing.settings import MethodName
 from sensing.shape import Shape, Stages
@@ -59,10 +61,7 @@ class Refined:
         for camera in scene.cameras:
             _ = pictures[camera.name].colour
         watch.lap("decode")
-        backdrops = {
-            camera.name: scene.backdrops.get(camera.name) or Backdrop.fitted(pictures[camera.name].colour)
-            for camera in scene.cameras
-        }
+        backdrops = {camera.name: scene.backdrop(pictures[camera.name]) for camera in scene.cameras}
         watch.lap("backdrop")
         found = cold_start(scene, pictures, backdrops, insertion_mm)
         watch.lap("cold_start")
@@ -72,7 +71,7 @@ class Refined:
         )
         prior = Prior(insertion_mm, scene.length_mm)
         fits = {tip: refine(views, found.curve, prior, tip, COLD) for tip in Tip}
-        tip = min(fits, key=lambda kind: (fits[kind].outline_px, fits[kind].cost))
+        tip = min(fits, key=lambda kind: fits[kind].misfit)
         watch.lap("refine")
         shape = self._judged(fits[tip], Track(fits[tip].curve, tip, insertion_mm, backdrops), prior, found)
         if not math.isfinite(shape.evidence.ray_gap_mm):

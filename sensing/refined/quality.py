@@ -11,8 +11,11 @@ from messaging.shape import Flag
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import epipolar_angles, signed_gaps
-from sensing.pictures.segmentation import Mask, small_pixels
-from sensing.refined.refinement import Fit, Prior, ViewFit, predicted_outline
+from sensing.pictures.grid import Grid
+from sensing.pictures.segmentation import Mask
+from sensing.refined.measuring import Normals
+from sensing.refined.refinement import Fit, Prior
+from sensing.refined.tube import sides
 from sensing.shape import Evidence
 
 LARGE_RESIDUAL_PX = 0.6
@@ -34,16 +37,16 @@ FAR_PX = 1e5
 """A curve that fits nothing may lie anywhere, and be of any size; drawing takes no coordinates beyond this."""
 
 
-def residual_px(views: tuple[ViewFit, ...]) -> float:
-    """RMS over the normals that count, without the worst tenth: dust and disks' rims are not the curve's."""
-    residuals = np.sort(np.concatenate([np.abs(view.residual_px[view.valid]) for view in views]))
+def residual_px(off: FloatArray) -> float:
+    """RMS of residuals, without the worst tenth: dust and disks' rims are not the curve's. NaN without any."""
+    residuals = np.sort(np.abs(off))
     kept = residuals[: max(int(0.9 * len(residuals)), 1)]
     return float(np.sqrt(np.mean(kept**2))) if residuals.size else float("nan")
 
 
-def worst_stretch_px(fit: Fit) -> float:
+def worst_stretch_px(normals: Normals) -> float:
     """The largest mean residual over STRETCH neighbouring normals of one camera; normals that do not count add nothing."""
-    off = np.array([np.where(view.valid, np.abs(view.residual_px), 0.0) for view in fit.views])
+    off = np.abs(normals.residual_px)
     return float(np.lib.stride_tricks.sliding_window_view(off, STRETCH, axis=1).mean(axis=2).max())
 
 
@@ -54,10 +57,10 @@ def ray_gaps_mm(cameras: tuple[Camera, ...], fit: Fit) -> tuple[float, float]:
     """
     gaps, biases = [], []
     for (one, first), (other, second) in combinations(enumerate(cameras), 2):
-        both = fit.views[one].valid & fit.views[other].valid
+        both = fit.normals.valid[one] & fit.normals.valid[other]
         if both.any():
             rays = [
-                camera.rays(fit.views[index].middle_px[both])
+                camera.rays(fit.normals.middle_px[index, both])
                 for index, camera in ((one, first), (other, second))
             ]
             signed = signed_gaps(first, rays[0], second, rays[1])
@@ -77,11 +80,12 @@ def best_epipolar_angles(cameras: tuple[Camera, ...], fit: Fit) -> FloatArray:
 
 def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[str, Mask]) -> Evidence:
     """Judge a fit. `masks` are the silhouettes of a cold start; a warm one has none, and is judged by its edges alone."""
-    residual = residual_px(fit.views)
+    normals, ends = fit.normals, fit.ends
+    residual = residual_px(normals.residual_px[normals.valid])
     gap, bias = ray_gaps_mm(cameras, fit)
     spread_mm = np.sqrt(np.linalg.eigvalsh(fit.covariance_mm2(JUDGED_POINTS))[:, -1])
-    explained = [float(view.valid.mean()) for view in fit.views]
-    end_mm = [abs(view.end.residual_px) * view.mm_per_px for view in fit.views if view.end]
+    explained = normals.valid.mean(axis=1)
+    end_mm = np.abs(ends.residual_px.mean(axis=1) * ends.mm_per_px)[ends.seen]
     too_long = (
         prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
     )
@@ -91,21 +95,23 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
         if camera.name in masks
     )
     found = {
-        Flag.LARGE_RESIDUAL: min(explained) < LEAST_EXPLAINED
+        Flag.LARGE_RESIDUAL: explained.min() < LEAST_EXPLAINED
         or not residual < LARGE_RESIDUAL_PX
-        or worst_stretch_px(fit) > LARGE_STRETCH_PX,
+        or worst_stretch_px(normals) > LARGE_STRETCH_PX,
         Flag.LARGE_RAY_GAP: not gap < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
-        Flag.TIP_UNSEEN: not end_mm,
-        Flag.LENGTH_MISMATCH: too_long or any(gap > END_TOLERANCE_MM for gap in end_mm),
+        Flag.TIP_UNSEEN: not ends.seen.any(),
+        Flag.LENGTH_MISMATCH: too_long or bool((end_mm > END_TOLERANCE_MM).any()),
         Flag.MERGED_SILHOUETTE: merged,
     }
     return Evidence(
         residual_px={
-            camera.name: residual_px((view,)) for camera, view in zip(cameras, fit.views, strict=True)
+            camera.name: residual_px(off[valid])
+            for camera, off, valid in zip(cameras, normals.residual_px, normals.valid, strict=True)
         },
         visible_mm={
-            camera.name: share * fit.curve.length_mm for camera, share in zip(cameras, explained, strict=True)
+            camera.name: float(share) * fit.curve.length_mm
+            for camera, share in zip(cameras, explained, strict=True)
         },
         ray_gap_mm=gap,
         ray_bias_mm=bias,
@@ -116,10 +122,9 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
 
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
-    edges = predicted_outline(camera, fit.curve)
-    outline = np.vstack(
-        [small_pixels(camera.project(edges.one)), small_pixels(camera.project(edges.other))[::-1]]
-    ).clip(-FAR_PX, FAR_PX)
+    edges = sides(camera.centre_mm[None], fit.curve)
+    outline = np.vstack([camera.project(edges.one[0]), camera.project(edges.other[0])[::-1]])
+    outline = Grid.of(camera.size_px).coarse(outline).clip(-FAR_PX, FAR_PX)
     radius = float(np.median(np.linalg.norm(np.diff(outline.reshape(2, -1, 2), axis=0), axis=2))) / 2
     rim = min(int(np.ceil(0.35 * radius)), min(mask.shape) // 4)
     tube = np.zeros_like(mask)

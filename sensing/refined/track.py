@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sensing.pictures.backdrop import Backdrop
-from sensing.refined.refinement import Curve, Tip
+from sensing.refined.tube import Curve, Tip
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from sensing.refined.edges import LINEAR, edge_pairs, ends
+from sensing.refined.edges import LINEAR, Walk, contrast, edge_pairs, ends
 
 HEIGHT, WIDTH = 120, 200
 MIDDLE = np.array([100.0, 60.0])
@@ -41,6 +41,17 @@ def bar(to_light, to_levels):
     return _bar
 
 
+def find_edges(picture, backdrop, at, normals, half_widths, margin_px=14.0):
+    walk = Walk.across(half_widths, np.full(len(at), margin_px))
+    places = at[:, None] + walk.offsets[..., None] * normals[:, None]
+    return edge_pairs(contrast(picture, backdrop, places), walk, half_widths)
+
+
+def find_ends(picture, backdrop, starts, directions, reach_px):
+    walk = Walk.onwards(reach_px)
+    return ends(contrast(picture, backdrop, starts[:, None] + walk.offsets[..., None] * directions[:, None]), walk)
+
+
 def middles(along_axis, count=9):
     """Places along the bar's predicted middle."""
     return MIDDLE + np.linspace(-20, 20, count)[:, None] * along_axis
@@ -52,7 +63,7 @@ def middles(along_axis, count=9):
 def test_edges_are_found_between_pixels(bar, angle_deg, offset_px, half_width_px):
     picture, backdrop, normal, along_axis = bar(offset_px, half_width_px, angle_deg)
     at = middles(along_axis)
-    found = edge_pairs(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), half_width_px))
+    found = find_edges(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), half_width_px))
     assert found.valid.all()
     assert found.middle_px == pytest.approx(np.full(len(at), offset_px), abs=0.05)
     assert found.half_width_px == pytest.approx(np.full(len(at), half_width_px), abs=0.1)
@@ -62,7 +73,7 @@ def test_edges_are_found_between_pixels(bar, angle_deg, offset_px, half_width_px
 def test_the_robot_may_be_darker_or_brighter_than_the_backdrop(bar, sides):
     picture, backdrop, normal, along_axis = bar(1.2, 12.0, 70.0, sides=sides)
     at = middles(along_axis)
-    found = edge_pairs(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 12.0))
+    found = find_edges(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 12.0))
     assert found.valid.all()
     assert found.middle_px == pytest.approx(np.full(len(at), 1.2), abs=0.05)
 
@@ -70,7 +81,7 @@ def test_the_robot_may_be_darker_or_brighter_than_the_backdrop(bar, sides):
 def test_shading_across_the_tube_does_not_move_its_middle(bar):
     picture, backdrop, normal, along_axis = bar(0.4, 16.0, 80.0, sides=(50.0, 100.0))
     at = middles(along_axis)
-    found = edge_pairs(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 16.0))
+    found = find_edges(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 16.0))
     assert found.valid.all()
     assert found.middle_px == pytest.approx(np.full(len(at), 0.4), abs=0.1)
 
@@ -79,7 +90,7 @@ def test_half_height_is_half_of_the_light_and_not_of_the_level(bar):
     """Between levels 20 and 150 half of the light is level 110; half of the level would lie 0.3 px further in."""
     picture, backdrop, normal, along_axis = bar(0.0, 14.0, 90.0, blur_px=1.5, sides=(20.0, 20.0))
     at = middles(along_axis)
-    found = edge_pairs(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 14.0))
+    found = find_edges(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 14.0))
     assert found.half_width_px == pytest.approx(np.full(len(at), 14.0), abs=0.1)
 
 
@@ -93,16 +104,16 @@ def test_linear_light_is_that_of_srgb():
 def test_normals_without_a_bar_do_not_count(bar):
     picture, backdrop, normal, along_axis = bar(0.0, 10.0, 90.0)
     beside = MIDDLE + np.array([[70.0, 0], [-75, 0]])
-    found = edge_pairs(picture, backdrop, beside, np.tile(normal, (2, 1)), np.full(2, 10.0))
+    found = find_edges(picture, backdrop, beside, np.tile(normal, (2, 1)), np.full(2, 10.0))
     assert not found.valid.any()
-    nothing = edge_pairs(backdrop, backdrop, middles(along_axis), np.tile(normal, (9, 1)), np.full(9, 10.0))
+    nothing = find_edges(backdrop, backdrop, middles(along_axis), np.tile(normal, (9, 1)), np.full(9, 10.0))
     assert not nothing.valid.any()
 
 
 def test_a_bar_that_leaves_the_picture_does_not_count(bar):
     picture, backdrop, normal, along_axis = bar(0.0, 110.0, 90.0)
     at = middles(along_axis)
-    found = edge_pairs(picture, backdrop, at, np.tile(normal, (9, 1)), np.full(9, 110.0))
+    found = find_edges(picture, backdrop, at, np.tile(normal, (9, 1)), np.full(9, 110.0))
     assert not found.valid.any()
 
 
@@ -110,12 +121,12 @@ def test_a_bar_that_leaves_the_picture_does_not_count(bar):
 def test_the_end_is_found_between_pixels(bar, end_px):
     picture, backdrop, normal, along_axis = bar(0.0, 14.0, 37.0, end_px=end_px)
     starts = MIDDLE + np.array([[-6.0], [0.0], [6.0]]) * normal
-    distance, seen = ends(picture, backdrop, starts, np.tile(along_axis, (3, 1)), np.full(3, 45.0))
+    distance, seen = find_ends(picture, backdrop, starts, np.tile(along_axis, (3, 1)), np.full(3, 45.0))
     assert seen.all()
     assert distance == pytest.approx(np.full(3, end_px), abs=0.05)
 
 
 def test_an_end_beyond_reach_is_not_seen(bar):
     picture, backdrop, _, along_axis = bar(0.0, 14.0, 0.0)
-    _, seen = ends(picture, backdrop, MIDDLE[None], along_axis[None], np.array([45.0]))
+    _, seen = find_ends(picture, backdrop, MIDDLE[None], along_axis[None], np.array([45.0]))
     assert not seen.any()

@@ -5,7 +5,7 @@ import pytest
 
 from messaging.shape import NodalPoints
 from sensing.errors import NodalPointError
-from sensing.refined.refinement import Tip
+from sensing.refined.tube import Tip
 from sensing.scene import Scene
 from sensing.shape import covered_nodes
 
@@ -140,7 +140,7 @@ def test_three_cameras_are_used_like_two(bench, third_camera, pictures, arcs, lo
     seen = pictures["away and back"] | third_camera.photograph(arcs(*pose))
     shape = look(Scene.of(rig, length_mm=80.0), seen)
     assert shape.flags == ()
-    assert len(shape.centreline.fit.views) == 3
+    assert len(shape.centreline.fit.normals.valid) == 3
     error = errors_mm(shape, true_nodes(pose))
     assert error.mean() < 0.1
     assert error[-1] < 0.3
