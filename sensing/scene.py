@@ -101,6 +101,6 @@ class Scene:
         return known.in_light_of(picture.reduced(known.grid.step))
 
     def picture(self, camera: str, data: bytes) -> Picture:
-        """The coded picture of one of the cameras; raises UnreadableImageError."""
+        """The coded picture of one of the cameras; raises UnreadableImageError or ImageSizeError."""
         size = next(known.size_px for known in self.cameras if known.name == camera)
         return Picture(camera, data, size)

@@ -1,7 +1,7 @@
 """One camera's picture, decoded only as far as it is needed.
 
-Measuring a known shape anew needs brightness alone, which costs half of what colour costs; only finding the robot
-without a prior needs colour.
+Measuring a known shape anew needs brightness alone, which costs half of what colour costs, and of a part where the
+camera's JPEG allows it; only finding the robot without a prior needs colour, and a coarse one at first.
 """
 
 from functools import cached_property
@@ -10,72 +10,116 @@ import cv2
 import numpy as np
 
 from sensing.errors import ImageSizeError, UnreadableImageError
-from sensing.pictures.backdrop import Image, luma
+from sensing.pictures.coding import coding_of
+from sensing.pictures.grid import Grid
+from sensing.pictures.jpeg import Jpeg
 from sensing.pictures.jpeg_crop import Box, crop
+from sensing.pictures.jpeg_gaps import data_left, data_missing
+from sensing.pictures.light import Image, luma
 
-JPEG_START, JPEG_END = b"\xff\xd8", b"\xff\xd9"
+REDUCED = {
+    2: cv2.IMREAD_REDUCED_COLOR_2,
+    4: cv2.IMREAD_REDUCED_COLOR_4,
+    8: cv2.IMREAD_REDUCED_COLOR_8,
+}
+"""How a JPEG is decoded at once to a size that many times smaller."""
+ONE_OF_16_BITS = 1 / 257
+"""65535 becomes 255."""
 
 
 class Picture:
-    """The coded picture (JPEG, PNG, whatever OpenCV reads) of one camera. Decoding raises UnreadableImageError.
+    """The coded picture (JPEG, PNG or BMP) of one camera, with 8 or 16 bits a level, in colour or grey.
 
-    A JPEG that stops in the middle is refused: decoders fill the rest with grey and say nothing. A size that differs from
-    `size_px` (width, height) raises ImageSizeError.
+    Orientation in EXIF and transparency are not looked at. Raises UnreadableImageError for bytes that are not a whole
+    picture, and ImageSizeError for a size that differs from `size_px` (width, height): before anything is decoded,
+    as far as headers tell. Decoding raises UnreadableImageError too. JPEGs whose data end early are refused, although decoders fill
+    the rest with grey and say nothing (`jpeg_gaps.py`).
     """
 
     def __init__(self, camera: str, data: bytes, size_px: tuple[int, int]) -> None:
-        if not data:
-            raise UnreadableImageError(f"camera {camera}: the picture is empty (0 bytes)")
-        if data.startswith(JPEG_START) and JPEG_END not in data[-64:]:
-            raise UnreadableImageError(
-                f"camera {camera}: the JPEG of {len(data)} bytes is cut off before its end"
+        self._coding = coding_of(camera, data)
+        if self._coding.size_px != size_px:
+            (width, height), (known_width, known_height) = self._coding.size_px, size_px
+            raise ImageSizeError(
+                f"camera {camera}: the picture is {width}x{height} px, "
+                f"its calibration is for {known_width}x{known_height} px"
             )
         self.camera = camera
         self._bytes = data
         self._size_px = size_px
 
+    @property
+    def grey(self) -> bool:
+        """Whether it was coded without colours."""
+        return self._coding.grey
+
     @cached_property
     def colour(self) -> Image:
-        """BGR (h, w, 3)."""
-        return self._decoded(cv2.IMREAD_COLOR)
+        """BGR (h, w, 3); all alike in a grey picture."""
+        return self._whole(cv2.IMREAD_COLOR)
 
     @cached_property
     def luma(self) -> Image:
         """Brightness (h, w); taken from the colours when those are decoded already."""
         if "colour" in self.__dict__:
             return luma(self.colour)
-        return self._decoded(cv2.IMREAD_GRAYSCALE)
+        return self._whole(cv2.IMREAD_GRAYSCALE)
+
+    def reduced(self, factor: int) -> Image:
+        """BGR (ceil(h / factor), ceil(w / factor), 3), `factor` times smaller, each pixel standing for a square of
+        factor x factor: its centre is at (place + 0.5) * factor - 0.5 in full-size px.
+
+        A JPEG is decoded to a half, a quarter or an eighth at once; anything else is decoded whole and averaged.
+        """
+        mode = REDUCED.get(factor)
+        if mode is None or self._coding.jpeg is None or "colour" in self.__dict__:
+            return Grid(self._size_px, factor).reduced(self.colour)
+        return self._whole(mode, factor)
 
     def luma_around(self, box: Box) -> tuple[Image, Box]:
         """Brightness of a part that covers `box` as far as it lies in the picture, and which part that is.
 
         Only that part is decoded where the camera's JPEG allows it; otherwise it is the whole picture.
         """
-        part = None if "luma" in self.__dict__ else crop(self._bytes, self._size_px, box)
+        jpeg = self._coding.jpeg
+        part = None if jpeg is None or "luma" in self.__dict__ else crop(jpeg, box)
         if part is None:
             return self.luma, (0, 0, *self._size_px)
-        data, shown = part
-        return self._read(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE), shown
+        cropped, shown = part
+        return self._of_jpeg(cropped, cv2.IMREAD_GRAYSCALE), shown
 
-    def _decoded(self, mode: int) -> Image:
-        picture = self._read(np.frombuffer(self._bytes, np.uint8), mode)
-        size = picture.shape[1], picture.shape[0]
-        if size != self._size_px:
-            raise ImageSizeError(
-                f"camera {self.camera}: the picture is {size[0]}x{size[1]} px, "
-                f"its calibration is for {self._size_px[0]}x{self._size_px[1]} px"
+    def _whole(self, mode: int, factor: int = 1) -> Image:
+        if self._coding.jpeg is not None:
+            return self._of_jpeg(self._coding.jpeg, mode, factor)
+        picture = _decoded(self._bytes, mode | cv2.IMREAD_ANYDEPTH)
+        if picture is None:
+            raise UnreadableImageError(
+                f"camera {self.camera}: the picture of {len(self._bytes)} bytes cannot be decoded: it is cut off or damaged"
+            )
+        if picture.dtype == np.uint16:
+            return np.asarray(cv2.convertScaleAbs(picture, alpha=ONE_OF_16_BITS), dtype=np.uint8)
+        return picture
+
+    def _of_jpeg(self, jpeg: Jpeg, mode: int, factor: int = 1) -> Image:
+        def decode(data: bytes) -> Image | None:
+            return _decoded(data, mode)
+
+        picture = decode(jpeg.data)
+        if picture is None or picture.shape[:2] != (-(-jpeg.height // factor), -(-jpeg.width // factor)):
+            raise UnreadableImageError(
+                f"camera {self.camera}: the JPEG of {len(self._bytes)} bytes cannot be decoded: it is damaged"
+            )
+        if data_missing(jpeg, picture, factor, decode) or data_left(jpeg, factor, decode):
+            raise UnreadableImageError(
+                f"camera {self.camera}: the JPEG of {len(self._bytes)} bytes is damaged: "
+                "its data are not those of all its pixels"
             )
         return picture
 
-    def _read(self, data: Image, mode: int) -> Image:
-        try:
-            picture = cv2.imdecode(data, mode | cv2.IMREAD_IGNORE_ORIENTATION)
-        except cv2.error as error:
-            raise UnreadableImageError(
-                f"camera {self.camera}: the picture cannot be decoded ({error.err})"
-            ) from error
-        if picture is None:
-            raise UnreadableImageError(
-                f"camera {self.camera}: {data.size} bytes are not a picture in a known format, or it is cut off"
-            )
-        return np.asarray(picture, dtype=np.uint8)
+
+def _decoded(data: bytes, mode: int) -> Image | None:
+    """What OpenCV makes of these bytes; None when it cannot."""
+    try:
+        return cv2.imdecode(np.frombuffer(data, np.uint8), mode | cv2.IMREAD_IGNORE_ORIENTATION)  # type: ignore[return-value]
+    except cv2.error:
+        return None
