@@ -40,13 +40,10 @@ class Raster:
         return cls(width_px, height_px, columns, -(-height_px // _UNIT_PX), units // columns * _UNIT_PX)
 
     def widen(self, window: Window) -> Window:
-        """The smallest window of whole stretches that holds this one, within the picture."""
-        width = self.column_width_px
-        left = max(window.left, 0) // width * width
-        top = max(window.top, 0) // _UNIT_PX * _UNIT_PX
-        right = min(-(-window.right // width) * width, self.width_px)
-        bottom = min(-(-window.bottom // _UNIT_PX) * _UNIT_PX, self.height_px)
-        return Window(left, top, max(right, left + min(width, self.width_px)), max(bottom, top + _UNIT_PX))
+        """The smallest window of whole stretches that holds what of this one lies within the picture; at least one stretch."""
+        left, right = _whole(window.left, window.right, self.column_width_px, self.width_px)
+        top, bottom = _whole(window.top, window.bottom, _UNIT_PX, self.height_px)
+        return Window(left, top, right, bottom)
 
     def encode(self, pixels: Pixels, quality: int) -> "Stretches":
         """The code of a picture, or of a window made of whole stretches."""
@@ -108,6 +105,13 @@ def splice(picture: Stretches, patch: Stretches, window: Window, raster: Raster)
         pieces[-1] = pieces[-1][:-2] + _END_OF_PICTURE
     pieces.append(picture.code[kept:])
     return b"".join(pieces)
+
+
+def _whole(begin: int, end: int, unit: int, size: int) -> tuple[int, int]:
+    """From a multiple of `unit` to another, or to `size`: around `begin` to `end`, one unit at least, within 0 to `size`."""
+    first = min(max(begin, 0), size - 1) // unit * unit
+    last = -(-max(min(end, size), first + 1) // unit) * unit
+    return first, min(last, size)
 
 
 def _scan_start(code: NDArray[np.uint8]) -> int:
