@@ -51,8 +51,9 @@ ROBOT_CASES = (
         (
             Level(name="left view", motion=motions.towards(_azimuth(eye(LEFT)), 1.3, 1.3)),
             Level(name="left view, from behind", motion=motions.towards(_azimuth(-eye(LEFT)), 1.3, 1.3)),
-            Level(name="both views", motion=motions.towards(-np.pi / 2, 1.3, 1.3)),
+            Level(name="hook between the cameras", motion=motions.towards(-np.pi / 2, 1.3, 1.3)),
             Level(name="S in left view", motion=motions.towards(_azimuth(eye(LEFT)), 1.3, -1.3)),
+            Level(name="loop", motion=motions.towards(_azimuth(eye(LEFT)) + np.pi / 2, 2.7, 2.7)),
         ),
     ),
     Case(
@@ -104,7 +105,7 @@ ROBOT_CASES = (
                 motion=motions.anywhere(0.7),
             ),
             Level(name="base", bench=Bench(rig=rigs.aside(0, 420)), motion=motions.anywhere(0.7)),
-            Level(name="one side", bench=Bench(rig=rigs.aside(950, 0)), motion=motions.anywhere(0.7)),
+            Level(name="one side", bench=Bench(rig=rigs.aside(860, 0)), motion=motions.anywhere(0.7)),
             Level(name="wholly in one view", bench=Bench(rig=rigs.aside(2400, 0, ("left",)))),
             Level(name="wholly", bench=Bench(rig=rigs.aside(2400, 0))),
         ),
