@@ -15,7 +15,7 @@ from messaging.shape import NodalPoints
 from nodal.calibration_file import load_rig
 from nodal.errors import CommandError
 from sensing.errors import RefusedError, UnreadableImageError
-from sensing.method import METHODS
+from sensing.method import METHODS, Method
 from sensing.scene import Scene
 from sensing.settings import MethodName
 from sensing.shape import Shape
@@ -37,6 +37,7 @@ class Question:
 class Answer:
     """The shape with its nodal points: positions (n, 3) in mm and worst standard deviations (n,) in mm."""
 
+    method: Method
     shape: Shape
     points: NodalPoints
     node_mm: NDArray[np.float64]
@@ -45,8 +46,9 @@ class Answer:
 
 @dataclass(frozen=True, kw_only=True)
 class Refusal:
-    """Why there is no shape."""
+    """Why there is no shape in these pictures of a scene."""
 
+    scene: Scene
     reason: str
 
 
@@ -58,26 +60,32 @@ def answer(question: Question) -> Answer | Refusal:
     )
     if question.length_mm is not None and not (math.isfinite(question.length_mm) and question.length_mm > 0):
         raise CommandError(f"--length {question.length_mm:g} mm is not a length; it must be above 0")
+    scene = Scene.of(rig, length_mm=question.length_mm)
     try:
         scene = Scene.of(rig, backgrounds=_read(question.backgrounds), length_mm=question.length_mm)
+        method = METHODS[question.method](scene)
         pictures = {name: scene.picture(name, data) for name, data in _read(question.images).items()}
-        shape = METHODS[question.method](scene).estimate(pictures, 0.0, None, time.perf_counter)
+        shape = method.estimate(pictures, 0.0, None, time.perf_counter)
     except (RefusedError, UnreadableImageError) as error:
-        return Refusal(reason=str(error))
+        return Refusal(scene=scene, reason=str(error))
     node_mm, covariance = shape.nodes(points.arc_mm)
     sigma_mm = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
-    return Answer(shape=shape, points=points, node_mm=node_mm, sigma_mm=sigma_mm)
+    return Answer(method=method, shape=shape, points=points, node_mm=node_mm, sigma_mm=sigma_mm)
 
 
-def draw(question: Question, found: Answer, folder: Path) -> None:
-    """Pictures of every stage into `folder`, which is made; raises CommandError when that cannot be."""
-    from nodal.report.pictures.estimate import draw_estimate  # noqa: PLC0415  matplotlib is an extra
+def draw(question: Question, found: Answer | Refusal, folder: Path) -> None:
+    """Pictures that explain what was found into `folder`, which is made; raises CommandError when that cannot be."""
+    from nodal.report.pictures.estimate.writing import draw_estimate, draw_refusal  # noqa: PLC0415  an extra
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise CommandError(f"--figures {folder}: cannot be made: {error.strerror}") from error
-    draw_estimate(folder, _read(question.images), _cameras(question), found.shape, found.points)
+    jpegs = _read(question.images)
+    if isinstance(found, Answer):
+        draw_estimate(folder, found.method, jpegs, found.shape, found.points)
+    else:
+        draw_refusal(folder, found.scene, jpegs, 0.0, found.reason)
 
 
 def as_json(found: Answer | Refusal) -> str:

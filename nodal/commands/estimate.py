@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--figures",
         type=Path,
         metavar="DIR",
-        help="write pictures of every stage here (needs the extra `plots`)",
+        help="write pictures that explain the estimate, or its refusal, here (PNG and PDF; needs the extra `plots`)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 
@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
         length_mm=arguments.length,
     )
     answer = still.answer(question)
-    if arguments.figures and isinstance(answer, still.Answer):
+    if arguments.figures:
         still.draw(question, answer, arguments.figures)
     print(still.as_json(answer) if arguments.json else still.as_text(answer))
     return REFUSED if isinstance(answer, still.Refusal) else 0

@@ -15,7 +15,7 @@ from nodal.report.bench_run import BenchRun
 from nodal.report.findings import Findings
 from nodal.report.loading import attached_rig, frame_set, load_run
 from nodal.report.open_loop import open_loop_path
-from nodal.report.pictures.estimate import draw_estimate
+from nodal.report.pictures.estimate.writing import draw_estimate
 from nodal.report.pictures.run import draw_run
 from nodal.report.summary import CIRCLE, Summary, summary_of
 from nodal.report.tracking import Tracking, true_tracking_of
@@ -75,7 +75,7 @@ def _draw_one_estimate(folder: Path, log: Log, run: BenchRun, bench: Bench) -> N
             logger.info("no picture of frame set %d: %s", shape.sequence, error)
             continue
         nodes = NodalPoints(names=shape.node_names, arc_mm=shape.node_arc_mm)
-        draw_estimate(folder, jpegs, run.rig, found, nodes)
+        draw_estimate(folder, method, jpegs, found, nodes)
         return
     raise ReportError(f"{log.path}: no frame set could be estimated anew for the pictures of its stages")
 

@@ -36,9 +36,9 @@ SUMMARY = {
     "recording_losses": None,
 }
 PICTURES = (
-    "figure-3-centreline.png",
-    "figure-4-nodal-points.png",
-    "figure-6-stages.png",
+    "estimate-cameras.png",
+    "estimate-space.png",
+    "estimate-along.png",
     "path.png",
     "error.png",
 )

@@ -238,11 +238,9 @@ def test_pictures_of_every_stage_are_drawn(folder, nodal, tmp_path):
     assert (status, err) == (DONE, "")
     made = sorted(figures.iterdir())
     assert [file.name for file in made] == [
-        "figure-3-centreline.png",
-        "figure-4-nodal-points.png",
-        "figure-6-stages.png",
+        f"estimate-{what}.{kind}" for what in ("along", "cameras", "space") for kind in ("pdf", "png")
     ]
-    assert all(cv2.imread(str(file)).std() > 5 for file in made)
+    assert all(cv2.imread(str(file)).std() > 5 for file in made if file.suffix == ".png")
 
 
 def test_a_folder_for_figures_that_cannot_be_made_is_one_line(folder, nodal):
@@ -255,8 +253,13 @@ def test_a_folder_for_figures_that_cannot_be_made_is_one_line(folder, nodal):
     assert "--figures" in err
 
 
-def test_a_refusal_draws_nothing(folder, nodal, tmp_path):
-    figures = tmp_path / "figures"
-    status, _, _ = nodal(*words(folder, "left.jpg", "bare_right.jpg", "--figures", str(figures)))
-    assert status == REFUSED
-    assert not figures.exists()
+def test_a_refusal_is_drawn_with_what_there_is(folder, nodal, tmp_path):
+    pytest.importorskip("matplotlib")
+    for right in ("bare_right.jpg", "nothing.jpg"):
+        figures = tmp_path / right
+        status, _, err = nodal(*words(folder, "left.jpg", right, "--figures", str(figures)))
+        assert (status, err) == (REFUSED, "")
+        assert sorted(file.name for file in figures.iterdir()) == [
+            "estimate-refused.pdf",
+            "estimate-refused.png",
+        ]

@@ -1,7 +1,6 @@
 """Draws figures for a paper: of a page's width, in type that journals can embed, in every format that is asked for."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -12,26 +11,16 @@ from numpy.typing import NDArray
 from nodal.exports.plots.figures import Figure, figures
 from nodal.report.findings import Findings
 from nodal.report.pictures.chart import draw
-from nodal.report.pictures.style import FAINT, INK, MEASURED, drawing, robot_axes
+from nodal.report.pictures.paper import PAGE_IN, paper
+from nodal.report.pictures.style import FAINT, INK, MEASURED, robot_axes
 from nodal.report.tracking import Tracking
 
 Array = NDArray[np.float64]
 
-WIDTH_IN, ROW_IN, PATH_IN = 7.2, 2.1, 6.4
-PNG_DPI = 300
+ROW_IN, PATH_IN = 2.1, 6.4
 ROOM_ABOVE = 0.14
 PATH, PATH_NEEDS = "path", "shape, controller/state and target"
 PLANES = (("From above", 0, 1), ("From the front", 0, 2), ("From the side", 1, 2))
-FOR_PAPER: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.titlesize": 9,
-    "legend.fontsize": 7.5,
-    "legend.handlelength": 1.6,
-    "lines.linewidth": 1.2,
-    # journals ask for TrueType outlines, and an SVG of paths looks alike where our font is missing
-    "pdf.fonttype": 42,
-    "svg.fonttype": "path",
-}
 
 
 def draw_figures(
@@ -42,30 +31,16 @@ def draw_figures(
     left_out: dict[str, str] = {}
     for figure in figures(findings):
         if figure.rows:
-            with _page(folder / figure.name, ROW_IN * len(figure.rows), formats, written) as page:
+            with paper(folder / figure.name, PAGE_IN, ROW_IN * len(figure.rows), formats, written) as page:
                 _fill(page, figure)
         else:
             left_out[figure.name] = figure.needs
     if any(len(tracking.time_ns) for tracking in findings.tracking.values()):
-        with _page(folder / PATH, PATH_IN, formats, written) as page:
+        with paper(folder / PATH, PAGE_IN, PATH_IN, formats, written) as page:
             _draw_path(page, findings)
     else:
         left_out[PATH] = PATH_NEEDS
     return written, left_out
-
-
-@contextmanager
-def _page(path: Path, height_in: float, formats: Iterable[str], written: list[Path]) -> Iterator[Any]:
-    with drawing(WIDTH_IN, height_in, path.name) as page:
-        import matplotlib as mpl  # noqa: PLC0415  part of an extra, which `drawing` has found
-
-        mpl.rcParams.update(FOR_PAPER)
-        yield page
-        for kind in formats:
-            written.append(path.with_suffix(f".{kind}"))
-            # without a date, the same recording gives the same bytes
-            metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
-            page.savefig(written[-1], dpi=PNG_DPI, metadata=metadata)
 
 
 def _fill(page: Any, figure: Figure) -> None:

@@ -35,7 +35,7 @@ def write_film(log: Log, names: Sequence[str], span: Span, width_px: int, path: 
     progress = _Progress(span)
     with new_file(path) as draft, Encoder(draft, stage.width_px, stage.height_px) as film:
         for scene in scenes_of(log, span):
-            if any(panel.calibration.camera in scene.frames for panel in stage.panels):
+            if any(panel.camera.name in scene.frames for panel in stage.panels):
                 film.add(stage.drawn(scene), scene.time_ns)
                 progress.tell(scene.time_ns)
         if not film.pictures:

@@ -11,7 +11,7 @@ from messaging.control import ControllerState, Target
 from messaging.frames import CameraCalibration, Frame
 from nodal.exports.video.captions import Caption, Tone, caption
 from nodal.exports.video.scenes import Scene
-from nodal.report.pictures.views import projected
+from sensing.geometry.camera import Camera
 
 Picture = NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -45,15 +45,16 @@ SMALLEST_TEXT_PX, TEXT_SHARE = 11, 76
 class Panel:
     """Where one camera's picture stands in the film, and how much smaller than the camera took it."""
 
-    calibration: CameraCalibration
+    camera: Camera
     left_px: int
     width_px: int
     height_px: int
 
     def places(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Pixels (N, 2) of the panel for points (N, 3) in the robot frame, lens distortion included."""
-        shrunk = self.width_px / self.calibration.width_px, self.height_px / self.calibration.height_px
-        return (projected(self.calibration, points_mm) + 0.5) * shrunk - 0.5
+        width_px, height_px = self.camera.size_px
+        shrunk = self.width_px / width_px, self.height_px / height_px
+        return (self.camera.project(np.ascontiguousarray(points_mm)) + 0.5) * shrunk - 0.5
 
 
 class Stage:
@@ -65,7 +66,7 @@ class Stage:
         self.width_px = each_px * len(cameras)
         self.panels = tuple(
             Panel(
-                calibration=camera,
+                camera=Camera(camera),
                 left_px=number * each_px,
                 width_px=each_px,
                 height_px=_even(each_px * camera.height_px / camera.width_px),
@@ -82,7 +83,7 @@ class Stage:
         """The scene (height, width, 3) in BGR."""
         film = np.full((self.height_px, self.width_px, 3), SHADOW, np.uint8)
         for panel in self.panels:
-            name = panel.calibration.camera
+            name = panel.camera.name
             shown = _decoded(scene.frames.get(name), panel)
             if shown is None:
                 shown = np.full((panel.height_px, panel.width_px, 3), SHADOW, np.uint8)
@@ -162,7 +163,7 @@ def _decoded(frame: Frame | None, panel: Panel) -> Picture | None:
     """The picture in the panel's size; None when there is none that can be read."""
     if frame is None:
         return None
-    halved = 2 * panel.width_px <= panel.calibration.width_px
+    halved = 2 * panel.width_px <= panel.camera.size_px[0]
     how = cv2.IMREAD_REDUCED_COLOR_2 if halved else cv2.IMREAD_COLOR
     picture = cv2.imdecode(np.frombuffer(frame.jpeg, np.uint8), how)
     if picture is None:

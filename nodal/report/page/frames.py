@@ -8,15 +8,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from messaging.frames import CameraCalibration, Frame
+from messaging.frames import Frame
 from nodal.errors import ReportError
 from nodal.report.findings import Findings
 from nodal.report.loading import frame_set
 from nodal.report.moments import Moment, telling_moments
 from nodal.report.page.markup import element, figure
 from nodal.report.page.numbers import with_unit
-from nodal.report.pictures.views import View, decoded, projected
+from nodal.report.pictures.views import View, decoded
 from recordings import Log
+from sensing.geometry.camera import Camera
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ def moment_pictures(log: Log, findings: Findings) -> list[Element]:
 
 
 def _figure(moment: Moment, frames: dict[str, Frame], findings: Findings) -> Element:
-    rig = {camera.camera: camera for camera in findings.run.rig}
+    rig = {calibration.camera: Camera(calibration) for calibration in findings.run.rig}
     around_mm = _where(moment, findings)
     views = [_view(frame, rig.get(name), around_mm, moment) for name, frame in sorted(frames.items())]
     when = with_unit(findings.second(moment.shape.capture_time_ns), "s")
@@ -57,7 +58,7 @@ def _where(moment: Moment, findings: Findings) -> Array | None:
     return before[-1].centreline_mm if before else None
 
 
-def _view(frame: Frame, camera: CameraCalibration | None, around_mm: Array | None, moment: Moment) -> Element:
+def _view(frame: Frame, camera: Camera | None, around_mm: Array | None, moment: Moment) -> Element:
     try:
         if camera is None or around_mm is None:
             picture = decoded(frame.camera, frame.jpeg)
@@ -69,18 +70,18 @@ def _view(frame: Frame, camera: CameraCalibration | None, around_mm: Array | Non
     return _svg(frame, view.picture[y0:y1, x0:x1], view.part, _overlay(camera, moment, y1 - y0))
 
 
-def _overlay(camera: CameraCalibration, moment: Moment, height_px: int) -> list[Element]:
+def _overlay(camera: Camera, moment: Moment, height_px: int) -> list[Element]:
     """Centreline, nodal points with their names, and a cross where each should have been."""
     shape, width = moment.shape, height_px * STROKE
     marks = []
     if shape.centreline_mm.size:
-        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in projected(camera, shape.centreline_mm))
+        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in camera.project(shape.centreline_mm))
         marks.append(element("polyline", points=points, class_="seen", stroke_width=f"{width:.2f}"))
-    for x, y in projected(camera, moment.asked_mm) if len(moment.asked_mm) else ():
+    for x, y in camera.project(moment.asked_mm) if len(moment.asked_mm) else ():
         arm = 3 * width
         cross = f"M{x - arm:.1f},{y:.1f}h{2 * arm:.1f}M{x:.1f},{y - arm:.1f}v{2 * arm:.1f}"
         marks.append(element("path", d=cross, class_="wanted", stroke_width=f"{width:.2f}"))
-    nodes = projected(camera, shape.node_mm) if shape.node_names else ()
+    nodes = camera.project(shape.node_mm) if shape.node_names else ()
     for name, (x, y) in zip(shape.node_names, nodes, strict=True):
         place = {"cx": f"{x:.1f}", "cy": f"{y:.1f}"}
         marks.append(

@@ -6,11 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from messaging.frames import CameraCalibration
 from nodal.errors import ReportError
+from sensing.geometry.camera import Camera
 
 Array = NDArray[np.float64]
 
+AS_SENSED = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 MARGIN_PX = 70
 NARROWEST = 0.72
 """Least width over height of a part, so that parts of a straight and a bent robot look alike."""
@@ -20,15 +21,15 @@ NARROWEST = 0.72
 class View:
     """One camera's picture (H, W, 3) in RGB, with the part (x0, y0, x1, y1) in px that shows the robot."""
 
-    calibration: CameraCalibration
+    camera: Camera
     picture: NDArray[np.uint8]
     part: tuple[int, int, int, int]
 
     @classmethod
-    def around(cls, calibration: CameraCalibration, jpeg: bytes, points_mm: Array) -> "View":
+    def around(cls, camera: Camera, jpeg: bytes, points_mm: Array) -> "View":
         """The view of this picture, with the part around points (N, 3) of the robot; raises ReportError."""
-        picture = decoded(calibration.camera, jpeg)
-        seen = projected(calibration, points_mm)
+        picture = decoded(camera.name, jpeg)
+        seen = camera.project(points_mm)
         (x0, y0), (x1, y1) = seen.min(axis=0) - MARGIN_PX, seen.max(axis=0) + MARGIN_PX
         wanting = max(NARROWEST * (y1 - y0) - (x1 - x0), 0) / 2
         x0, x1 = x0 - wanting, x1 + wanting
@@ -37,7 +38,7 @@ class View:
         if part[2] <= part[0] or part[3] <= part[1]:
             # the points are out of this camera's view
             part = 0, 0, width, height
-        return cls(calibration=calibration, picture=picture, part=part)
+        return cls(camera=camera, picture=picture, part=part)
 
     def shown(
         self, picture: NDArray[np.uint8]
@@ -49,20 +50,7 @@ class View:
 
 def decoded(camera: str, jpeg: bytes) -> NDArray[np.uint8]:
     """The picture (H, W, 3) in RGB; raises ReportError when it is none."""
-    colour = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR) if jpeg else None
+    colour = cv2.imdecode(np.frombuffer(jpeg, np.uint8), AS_SENSED) if jpeg else None
     if colour is None:
         raise ReportError(f"camera {camera}: {len(jpeg)} bytes are not a picture that can be decoded")
     return np.asarray(cv2.cvtColor(colour, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-
-
-def projected(calibration: CameraCalibration, points_mm: Array) -> Array:
-    """Pixels (N, 2) of points (N, 3) in the robot frame, lens distortion included."""
-    rotation, _ = cv2.Rodrigues(calibration.camera_from_robot[:3, :3])
-    pixels, _ = cv2.projectPoints(
-        points_mm.reshape(-1, 1, 3),
-        rotation,
-        calibration.camera_from_robot[:3, 3],
-        calibration.intrinsics,
-        calibration.distortion,
-    )
-    return np.asarray(pixels, np.float64).reshape(-1, 2)
