@@ -2,8 +2,9 @@
 
 NodalError
 `-- SensingError
-|-- UnreadableImageError    bytes that are not a whole picture
-|-- ImageSizeError          a picture whose size is not its calibration's
+|-- PictureError            a picture of one camera that cannot be used; `camera` says whose
+|   |-- UnreadableImageError    bytes that are not a whole picture
+|   `-- ImageSizeError          a picture whose size is not its calibration's
 |-- WorkAreaError           a work area that is not one of its camera's picture, or leaves the robot out
 |-- RefusedError            a picture set in which no shape can be resolved; `reason` says why
 |-- NodalPointError         a nodal point that is not on the robot
@@ -17,11 +18,24 @@ class SensingError(NodalError):
     """An error of the sensing room."""
 
 
-class UnreadableImageError(SensingError):
+class PictureError(SensingError):
+    """A camera's picture cannot be used."""
+
+    def __init__(self, camera: str, reason: str) -> None:
+        super().__init__(camera, reason)
+        self.camera = camera
+        self.reason = reason
+
+    def __str__(self) -> str:
+        """The camera and the reason."""
+        return f"camera {self.camera}: {self.reason}"
+
+
+class UnreadableImageError(PictureError):
     """The bytes of a picture cannot be decoded whole."""
 
 
-class ImageSizeError(SensingError):
+class ImageSizeError(PictureError):
     """A picture's size differs from the size its camera was calibrated at."""
 
 

@@ -55,7 +55,9 @@ class TrackMemory:
         known = {**scene.backdrops, **self._fitted(scene)}
         for name in self.gains.keys() & known.keys():
             known[name] = known[name].relit(self.gains[name])
-        if missing := [camera.name for camera in scene.cameras if camera.name not in known]:
+        missing = [camera.name for camera in scene.cameras if camera.name not in known]
+        # a camera that was lost when the robot was found has none
+        if len(scene.cameras) - len(missing) < min(2, len(scene.cameras)):
             raise MemoryMisfitError(f"sensing's memory holds no backdrop of camera {', '.join(missing)}")
         return Track(
             curve=Curve(self.control_mm, self.length_mm, self.radius_mm),

@@ -1,7 +1,7 @@
 """The ways to a shape, behind one interface."""
 
-from collections.abc import Callable, Mapping
-from typing import ClassVar, Protocol
+from collections.abc import Callable, Collection, Mapping
+from typing import ClassVar, Protocol, Self
 
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings
@@ -25,6 +25,9 @@ class Method(Protocol):
     def scene(self) -> Scene:
         """What does not change from frame to frame."""
 
+    def without(self, cameras: Collection[str]) -> Self:
+        """The same method for the scene's other cameras."""
+
     def estimate(
         self,
         pictures: Mapping[str, Picture],
@@ -32,10 +35,10 @@ class Method(Protocol):
         last: Track | None,
         clock: Callable[[], float],
     ) -> Shape:
-        """The shape in one set of pictures, one for each of the scene's cameras.
+        """The shape in one set of pictures, one at least for each of the scene's cameras.
 
         `last` is the track of the set before, or None; `clock` gives seconds and is read only for `stage_s`. Raises
-        RefusedError when no shape can be resolved, UnreadableImageError or ImageSizeError for a bad picture.
+        RefusedError when no shape can be resolved, PictureError for a bad one.
         """
 
 

@@ -116,6 +116,8 @@ class _Speaker:
             lambda: time.monotonic_ns() - captured_ns,
         )
         number = self._shape.put(estimate)
+        for reason in sensor.lost.values():
+            logger.warning("frame set %d without a camera: %s", estimate.sequence, reason)
         if estimate.refusal:
             logger.warning("no shape in frame set %d: %s", estimate.sequence, estimate.refusal)
         else:

@@ -44,15 +44,16 @@ def estimate_message(shape: Shape, inputs: SetInputs, method: Method, age_ns: in
 
 
 def refusal_message(error: SensingError, inputs: SetInputs, method: Method, age_ns: int) -> ShapeEstimate:
-    """The message that says why a frame set has no shape."""
+    """The message that says why a frame set has no shape, and whether a frame was missing from it."""
     none: FloatArray = np.zeros(0)
+    incomplete = any(camera.name not in inputs.jpegs for camera in method.scene.cameras)
     return ShapeEstimate(
         sequence=inputs.sequence,
         capture_time_ns=inputs.capture_time_ns,
         capture_to_publish_ns=age_ns,
         refusal=str(error),
         method=method.name,
-        flags=(),
+        flags=(str(Flag.CAMERA_LOST),) if incomplete else (),
         arc_mm=none,
         centreline_mm=np.zeros((0, 3)),
         epipolar_angle_rad=none,

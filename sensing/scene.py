@@ -1,7 +1,8 @@
 """What does not change from frame to frame: the cameras, what they see without the robot, and what is known of the robot."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -88,6 +89,10 @@ class Scene:
             work_areas={name: np.array(corners) for name, corners in settings.work_area.items()},
             threshold=settings.threshold,
         )
+
+    def without(self, cameras: Collection[str]) -> Self:
+        """The scene as the other cameras see it."""
+        return replace(self, cameras=tuple(camera for camera in self.cameras if camera.name not in cameras))
 
     def limits(self, camera: str) -> Limits:
         """Where the robot can be in a camera's pictures."""

@@ -25,6 +25,8 @@ class Sensor:
         self._points = covered_nodes(points, robot_length_mm)
         self._height = StageHeight(stage_age_limit_s)
         self._track: Track | None = None
+        self.lost: Mapping[str, str] = {}
+        """By camera, why its picture in the newest set could not be used though there is an estimate."""
 
     def name_points(self, points: NodalPoints) -> None:
         """Report these nodal points from now on; raises NodalPointError when one is not on the robot."""
@@ -55,5 +57,5 @@ class Sensor:
             points=self._points,
         )
         clocks = Clocks(stage_s=time.perf_counter, age_ns=age_ns)
-        message, self._track = step(self._method, inputs, self._track, clocks)
-        return message
+        estimate, self._track, self.lost = step(self._method, inputs, self._track, clocks)
+        return estimate

@@ -3,6 +3,9 @@
 The cameras run freely, so frames are matched by their capture times, never by their order of arrival. When the oldest
 waiting frame lies too far from another camera's oldest one, it has lost its partner for good: what comes later is later
 still.
+
+A camera that falls silent does not silence the others: when its newest frame is older than theirs by ABSENT_S, they make
+sets without it while they are two at least, until it is back. Only capture times decide, never when a frame arrived.
 """
 
 import dataclasses
@@ -14,12 +17,14 @@ from drivers.cameras.errors import UnknownCameraError
 
 WAITING_AT_MOST = 8
 NEW_CLOCK_S = 1.0
+ABSENT_S = 0.5
+LEAST_CAMERAS = 2
 NS_PER_S = 1e9
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FrameSet:
-    """One frame of each camera, in the cameras' order."""
+    """One frame of each camera that is not absent, in the cameras' order."""
 
     frames: tuple[CameraFrame, ...]
 
@@ -46,7 +51,9 @@ class FrameSetPairing:
     def __init__(self, names: Sequence[str], maximum_skew_s: float) -> None:
         self._maximum_skew_ns = maximum_skew_s * NS_PER_S
         self._waiting: dict[str, deque[CameraFrame]] = {name: deque() for name in names}
+        self._present = dict(self._waiting)
         self._newest_ns: dict[str, int] = {}
+        self._begun_ns = 0
         self.unpaired: Counter[str] = Counter()
         self.out_of_order: Counter[str] = Counter()
 
@@ -60,18 +67,34 @@ class FrameSetPairing:
                 self.out_of_order[frame.name] += 1
                 return None
             self._start_anew()
+        self._begun_ns = self._begun_ns if self._newest_ns else frame.capture_monotonic_ns
         self._newest_ns[frame.name] = frame.capture_monotonic_ns
         queue = self._waiting[frame.name]
         queue.append(frame)
         if len(queue) > WAITING_AT_MOST:
             self._drop_oldest(frame.name)
+        self._present = self._those_present()
         return self._complete_set()
 
+    def _those_present(self) -> dict[str, deque[CameraFrame]]:
+        """The queues of the cameras of the next sets: all, or those two or more that go on while another is silent."""
+        newest_ns = max(self._newest_ns.values())
+        present = {
+            name: queue
+            for name, queue in self._waiting.items()
+            if newest_ns - self._newest_ns.get(name, self._begun_ns) < ABSENT_S * NS_PER_S
+        }
+        if len(present) < LEAST_CAMERAS:
+            return self._waiting
+        for name in self._waiting.keys() - present.keys():
+            self._drop_all(name)
+        return present
+
     def _complete_set(self) -> FrameSet | None:
-        while all(self._waiting.values()):
-            oldest = min(self._waiting, key=lambda name: self._waiting[name][0].capture_monotonic_ns)
+        while all(self._present.values()):
+            oldest = min(self._present, key=lambda name: self._waiting[name][0].capture_monotonic_ns)
             if self._skew_ns() <= self._maximum_skew_ns and not self._next_is_nearer(oldest):
-                return FrameSet(frames=tuple(queue.popleft() for queue in self._waiting.values()))
+                return FrameSet(frames=tuple(queue.popleft() for queue in self._present.values()))
             self._drop_oldest(oldest)
         return None
 
@@ -86,7 +109,7 @@ class FrameSetPairing:
         return nearer
 
     def _skew_ns(self) -> int:
-        times_ns = [queue[0].capture_monotonic_ns for queue in self._waiting.values()]
+        times_ns = [queue[0].capture_monotonic_ns for queue in self._present.values()]
         return max(times_ns) - min(times_ns)
 
     def _drop_oldest(self, name: str) -> None:
@@ -94,7 +117,10 @@ class FrameSetPairing:
         self.unpaired[name] += 1
 
     def _start_anew(self) -> None:
-        for name, queue in self._waiting.items():
-            self.unpaired[name] += len(queue)
-            queue.clear()
+        for name in self._waiting:
+            self._drop_all(name)
         self._newest_ns.clear()
+
+    def _drop_all(self, name: str) -> None:
+        while self._waiting[name]:
+            self._drop_oldest(name)

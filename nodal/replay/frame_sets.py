@@ -38,6 +38,15 @@ class FrameSetRecord:
         """From capture to estimate."""
         return 0 if self.estimate is None else self.estimate.capture_to_publish_ns
 
+    def certain(self, cameras: Sequence[str]) -> Sequence[str]:
+        """Of these cameras, those that had a frame in the set: all, unless the estimate says that some were lost.
+
+        A lost one's frame is in the log if there was one, and could not be used.
+        """
+        if self.estimate is None or Flag.CAMERA_LOST not in self.estimate.flags:
+            return cameras
+        return self.estimate.camera_names
+
     @classmethod
     def of(cls, recorded: Recorded) -> "FrameSetRecord":
         """What a logged estimate says of its set; raises CodecError or InvalidMessageError."""
@@ -57,7 +66,7 @@ class FrameSetRecord:
 def pictured(
     log: Log, sets: Sequence[FrameSetRecord], cameras: Sequence[str]
 ) -> Iterator[tuple[FrameSetRecord, dict[str, bytes] | None]]:
-    """Each of these sets, in their order, with its coded pictures by camera; None when a frame is not in the log."""
+    """Each of these sets, in their order, with its coded pictures by camera; None when a frame of it is not in the log."""
     if not sets:
         return
     wanted = {record.sequence for record in sets}
@@ -71,13 +80,15 @@ def pictured(
         keys = [(record.sequence, camera) for camera in cameras]
         while not all(_is_of(waiting.get(key), record) for key in keys):
             recorded = next(frames, None)
-            if recorded is None or recorded.log_time_ns > record.log_time_ns + LOGGED_WITHIN_NS:
+            if recorded is None:
                 break
             if recorded.sequence in wanted:
                 frame = read(recorded, Frame)
                 waiting[recorded.sequence, frame.camera] = frame
-        whole = all(_is_of(waiting.get(key), record) for key in keys)
-        yield record, {camera: waiting[record.sequence, camera].jpeg for camera in cameras} if whole else None
+            if recorded.log_time_ns > record.log_time_ns + LOGGED_WITHIN_NS:
+                break
+        jpegs = {key[1]: waiting[key].jpeg for key in keys if _is_of(waiting.get(key), record)}
+        yield record, jpegs if jpegs.keys() >= set(record.certain(cameras)) else None
         earliest_ns = record.capture_time_ns - NEAR_NS
         waiting = {
             key: frame

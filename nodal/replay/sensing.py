@@ -91,9 +91,8 @@ def verify(part: SensingPart, bench: Bench) -> Comparison:
         if carried.unknown or jpegs is None or record.estimate is None:
             found += skipped(KEY, carried.unknown)
         else:
-            estimate, carried.track = step(
-                method, inputs_of(record, jpegs, carried.points), carried.track, STILL
-            )
+            inputs = inputs_of(record, jpegs, carried.points)
+            estimate, carried.track, _ = step(method, inputs, carried.track, STILL)
             found += compared(KEY, record.capture_time_ns, record.estimate, estimate)
         if (logged := part.memories.get(record.capture_time_ns)) is not None:
             mine = b"" if carried.unknown else carried.memory()
@@ -125,7 +124,7 @@ def imagine(
         if jpegs is not None:
             clocks = replace(STILL, age_ns=partial(int, record.age_ns))
             inputs = inputs_of(record, jpegs, carried.points)
-            estimate, carried.track = step(method, inputs, carried.track, clocks)
+            estimate, carried.track, _ = step(method, inputs, carried.track, clocks)
             yield record, estimate, carried.memory()
 
 

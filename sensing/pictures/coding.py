@@ -23,7 +23,7 @@ class Coding:
 def coding_of(camera: str, data: bytes) -> Coding:
     """How this picture is coded; raises UnreadableImageError for what is not a whole JPEG, PNG or BMP."""
     if not data:
-        raise UnreadableImageError(f"camera {camera}: the picture is empty (0 bytes)")
+        raise UnreadableImageError(camera, f"the picture is empty (0 bytes)")
     if data.startswith(jpeg.START):
         read = Jpeg.read(camera, data)
         return Coding((read.width, read.height), read.grey, read)
@@ -33,11 +33,12 @@ def coding_of(camera: str, data: bytes) -> Coding:
     if data.startswith(BMP_START) and len(data) >= BMP_HEADER_BYTES:
         if (promised := int.from_bytes(data[2:6], "little")) > len(data):
             raise UnreadableImageError(
-                f"camera {camera}: the BMP is cut off: {len(data)} of {promised} bytes are there"
+                camera, f"the BMP is cut off: {len(data)} of {promised} bytes are there"
             )
         width, height = (int.from_bytes(data[at : at + 4], "little", signed=True) for at in (18, 22))
         return Coding((width, abs(height)), False, None)
     raise UnreadableImageError(
-        f"camera {camera}: {len(data)} bytes are not a picture in a known format, or it is cut off; "
-        "allowed are JPEG, PNG and BMP"
+        camera,
+        f"{len(data)} bytes are not a picture in a known format, or it is cut off; "
+        "allowed are JPEG, PNG and BMP",
     )

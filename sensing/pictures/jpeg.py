@@ -40,13 +40,12 @@ class Jpeg:
         """The JPEG in these bytes; raises UnreadableImageError when it is cut off, or of a kind that no camera makes."""
         jpeg = _header(camera, data)
         if data.rfind(END) < jpeg.scan_at:
-            raise UnreadableImageError(
-                f"camera {camera}: the JPEG of {len(data)} bytes is cut off before its end"
-            )
+            raise UnreadableImageError(camera, f"the JPEG of {len(data)} bytes is cut off before its end")
         if jpeg.simple and (found := len(jpeg.stretches[0]) - 1) != jpeg.restarts:
             raise UnreadableImageError(
-                f"camera {camera}: the JPEG has {found} restart markers in their order where its header announces "
-                f"{jpeg.restarts}; a part of it is missing"
+                camera,
+                f"the JPEG has {found} restart markers in their order where its header announces "
+                f"{jpeg.restarts}; a part of it is missing",
             )
         return jpeg
 
@@ -125,26 +124,25 @@ def _header(camera: str, data: bytes) -> Jpeg:
                 )
             break
         at += 2 + length
-    raise UnreadableImageError(
-        f"camera {camera}: the JPEG of {len(data)} bytes has no header that can be read"
-    )
+    raise UnreadableImageError(camera, f"the JPEG of {len(data)} bytes has no header that can be read")
 
 
 def _sampling(camera: str, kind: int, frame: bytes) -> bytes:
     """The components' sampling factors in a frame header."""
     if kind not in (BASELINE, EXTENDED, PROGRESSIVE):
         raise UnreadableImageError(
-            f"camera {camera}: the JPEG is of kind SOF{kind - BASELINE} (lossless, hierarchical or arithmetic-coded); "
-            "allowed are baseline and progressive ones with Huffman codes (SOF0, SOF1, SOF2)"
+            camera,
+            f"the JPEG is of kind SOF{kind - BASELINE} (lossless, hierarchical or arithmetic-coded); "
+            "allowed are baseline and progressive ones with Huffman codes (SOF0, SOF1, SOF2)",
         )
     if frame[:1] != bytes((LEVELS_BITS,)):
         raise UnreadableImageError(
-            f"camera {camera}: the JPEG has {frame[0] if frame else 0} bits a sample; allowed are {LEVELS_BITS}"
+            camera, f"the JPEG has {frame[0] if frame else 0} bits a sample; allowed are {LEVELS_BITS}"
         )
     count = int.from_bytes(frame[5:6], "big")
     if count not in (1, 3):
         raise UnreadableImageError(
-            f"camera {camera}: the JPEG has {count} components; allowed are 1 (grey) and 3 (colour)"
+            camera, f"the JPEG has {count} components; allowed are 1 (grey) and 3 (colour)"
         )
     factors = frame[7 : 7 + 3 * count : 3]
     return factors if len(factors) == count else b""

@@ -41,8 +41,8 @@ class Picture:
         if self._coding.size_px != size_px:
             (width, height), (known_width, known_height) = self._coding.size_px, size_px
             raise ImageSizeError(
-                f"camera {camera}: the picture is {width}x{height} px, "
-                f"its calibration is for {known_width}x{known_height} px"
+                camera,
+                f"the picture is {width}x{height} px, its calibration is for {known_width}x{known_height} px",
             )
         self.camera = camera
         self._bytes = data
@@ -94,7 +94,8 @@ class Picture:
         picture = _decoded(self._bytes, mode | cv2.IMREAD_ANYDEPTH)
         if picture is None:
             raise UnreadableImageError(
-                f"camera {self.camera}: the picture of {len(self._bytes)} bytes cannot be decoded: it is cut off or damaged"
+                self.camera,
+                f"the picture of {len(self._bytes)} bytes cannot be decoded: it is cut off or damaged",
             )
         if picture.dtype == np.uint16:
             return np.asarray(cv2.convertScaleAbs(picture, alpha=ONE_OF_16_BITS), dtype=np.uint8)
@@ -107,12 +108,12 @@ class Picture:
         picture = decode(jpeg.data)
         if picture is None or picture.shape[:2] != (-(-jpeg.height // factor), -(-jpeg.width // factor)):
             raise UnreadableImageError(
-                f"camera {self.camera}: the JPEG of {len(self._bytes)} bytes cannot be decoded: it is damaged"
+                self.camera, f"the JPEG of {len(self._bytes)} bytes cannot be decoded: it is damaged"
             )
         if data_missing(jpeg, picture, factor, decode) or data_left(jpeg, factor, decode):
             raise UnreadableImageError(
-                f"camera {self.camera}: the JPEG of {len(self._bytes)} bytes is damaged: "
-                "its data are not those of all its pixels"
+                self.camera,
+                f"the JPEG of {len(self._bytes)} bytes is damaged: its data are not those of all its pixels",
             )
         return picture
 

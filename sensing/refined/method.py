@@ -5,9 +5,9 @@ looked at. Without one, or when that fit does not convince, the robot is found a
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -41,6 +41,10 @@ class Refined:
 
     scene: Scene
 
+    def without(self, cameras: Collection[str]) -> Self:
+        """The same method for the scene's other cameras."""
+        return replace(self, scene=self.scene.without(cameras))
+
     def estimate(
         self,
         pictures: Mapping[str, Picture],
@@ -50,7 +54,8 @@ class Refined:
     ) -> Shape:
         """Refine the last shape; where there is none, or where that does not convince, find the robot anew."""
         watch = Stopwatch(clock)
-        if last is not None:
+        # a camera that was lost when the robot was found has no backdrop yet
+        if last is not None and all(camera.name in last.backdrops for camera in self.scene.cameras):
             warm = self._warm(pictures, insertion_mm, last, watch)
             if not warm.flags:
                 return replace(warm, stage_s=watch.laps)

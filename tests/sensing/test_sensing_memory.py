@@ -40,13 +40,13 @@ def test_the_next_estimate_is_the_same_from_memory(small_bench, without_robot, p
     scene = small_bench.scene()
     if backdrop == "picture":
         scene = Scene.of(small_bench.rig, backgrounds=without_robot, length_mm=80.0)
-    first, track = step(Refined(scene), inputs(pictures[0]), None, STILL)
+    first, track, _ = step(Refined(scene), inputs(pictures[0]), None, STILL)
     assert first.trusted
     memory = remembered(track)
     assert memory.points == POINTS
     assert bool(memory.track.surfaces) == (backdrop == "fitted")
-    live, live_track = step(Refined(scene), inputs(pictures[1]), track, STILL)
-    again, track_again = step(Refined(scene), inputs(pictures[1]), memory.track.track(scene), STILL)
+    live, live_track, _ = step(Refined(scene), inputs(pictures[1]), track, STILL)
+    again, track_again, _ = step(Refined(scene), inputs(pictures[1]), memory.track.track(scene), STILL)
     assert "cold_start" not in live.stage_names
     assert again.to_bytes() == live.to_bytes()
     assert freeze(TrackMemory.of(track_again)) == freeze(TrackMemory.of(live_track))
@@ -54,7 +54,7 @@ def test_the_next_estimate_is_the_same_from_memory(small_bench, without_robot, p
 
 def test_nothing_seen_is_nothing_remembered(small_bench):
     grey = np.zeros((2, 2), np.uint8)
-    refusal, track = step(
+    refusal, track, _ = step(
         Refined(small_bench.scene()), inputs({"left": b"", "right": grey.tobytes()}), None, STILL
     )
     assert refusal.refusal
@@ -64,7 +64,7 @@ def test_nothing_seen_is_nothing_remembered(small_bench):
 
 def test_a_fitted_backdrop_is_made_again_from_its_coefficients(small_bench, pictures):
     scene = small_bench.scene()
-    _, track = step(Refined(scene), inputs(pictures[0]), None, STILL)
+    _, track, _ = step(Refined(scene), inputs(pictures[0]), None, STILL)
     camera = scene.cameras[0]
     fitted = track.backdrops[camera.name]
     again = Backdrop.from_surface(fitted.surface, camera.size_px)
@@ -73,7 +73,7 @@ def test_a_fitted_backdrop_is_made_again_from_its_coefficients(small_bench, pict
 
 
 def test_a_memory_of_another_rig_is_refused(small_bench, pictures):
-    _, track = step(Refined(small_bench.scene()), inputs(pictures[0]), None, STILL)
+    _, track, _ = step(Refined(small_bench.scene()), inputs(pictures[0]), None, STILL)
     memory = remembered(track).track
     del memory.surfaces["right"]
     with pytest.raises(MemoryMisfitError, match="no backdrop of camera right"):

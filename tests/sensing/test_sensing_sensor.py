@@ -140,7 +140,8 @@ def test_a_refusal_carries_the_height_and_nothing_else(small_bench):
     message = refusal_message(NodalPointError("why"), inputs, Refined(small_bench.scene()), 5)
     assert message.refusal == "why"
     assert message.insertion_mm == 4
-    assert message.flags == message.node_names == message.stage_names == ()
+    assert message.flags == (Flag.CAMERA_LOST,)
+    assert message.node_names == message.stage_names == ()
     assert len(message.arc_mm) == 0
 
 

@@ -81,6 +81,41 @@ def test_a_camera_that_comes_back_is_paired_again() -> None:
     assert [times(one)[0] for one in sets] == [99 * PERIOD, 100 * PERIOD]
 
 
+def names(frame_set) -> str:
+    return "".join(one.name for one in frame_set.frames)
+
+
+def test_a_camera_that_falls_silent_does_not_silence_two_others_and_is_taken_back() -> None:
+    pairing = FrameSetPairing(("a", "b", "c"), SKEW_S)
+    silent = range(10, 60)
+    moments = {
+        n: feed(pairing, *(frame(name, n * PERIOD) for name in "abc" if name != "b" or n not in silent))
+        for n in range(80)
+    }
+    assert all([names(one) for one in moments[n]] == ["abc"] for n in (*range(10), *range(60, 80)))
+    assert not any(moments[n] for n in range(10, 25))
+    later = [one for n in range(25, 60) for one in moments[n]]
+    assert {names(one) for one in later} == {"ac"}
+    # what had piled up until then, and from then on every moment
+    assert [times(one)[0] // PERIOD for one in later] == list(range(25 + 1 - 8, 60))
+    assert pairing.unpaired == {"a": 8, "c": 8}
+
+
+def test_a_camera_that_never_spoke_is_waited_for_and_then_left_out() -> None:
+    pairing = FrameSetPairing(("a", "b", "c"), SKEW_S)
+    first = feed(pairing, *(frame(name, n * PERIOD) for n in range(15) for name in "ab"))
+    assert first == []
+    after = feed(pairing, *(frame(name, n * PERIOD) for n in range(15, 20) for name in "ab"))
+    assert {names(one) for one in after} == {"ab"}
+    (whole,) = feed(pairing, *(frame(name, 20 * PERIOD) for name in "cab"))
+    assert names(whole) == "abc"
+
+
+def test_of_two_cameras_none_goes_on_alone() -> None:
+    pairing = FrameSetPairing(("a", "b"), SKEW_S)
+    assert feed(pairing, *(frame("a", n * PERIOD) for n in range(100))) == []
+
+
 def test_an_unknown_camera_is_named() -> None:
     with pytest.raises(UnknownCameraError, match="camera c is not one of a, b"):
         FrameSetPairing(("a", "b"), SKEW_S).feed(frame("c", 0))
