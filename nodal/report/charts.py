@@ -16,6 +16,9 @@ Style = Literal["line", "dashes", "steps", "ticks"]
 MOST_POINTS = 1600
 """A line of more is thinned out for drawing; its extremes stay."""
 SILENCE_S = 0.25
+TIME = "time since the recording began, s"
+FLOOR_MM = 1e-3
+"""Less than this is the same on a logarithmic scale."""
 EDGES_MS = np.geomspace(0.01, 10_000, 73)
 """The same for all durations, so that histograms of different runs can lie over one another."""
 

@@ -1,16 +1,18 @@
 """What figures, charts and words of a report are made of, worked out once for a run. Pure."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from messaging.control import State
+from messaging.shape import ShapeEstimate
 from nodal.report.bench_run import BenchRun, Line, times_ns
+from nodal.report.confidence import inside
 from nodal.report.stretches import Pursuit, Stretch, pursuits, stretches, without_numbers
-from nodal.report.summary import node_errors_mm, tip_errors_mm
+from nodal.report.summary import node_offsets_mm, tip_errors_mm
 from nodal.report.tracking import Tracking, tracking_of
 
 Array = NDArray[np.float64]
@@ -62,9 +64,27 @@ class Findings:
         return self.true or self.measured
 
     @cached_property
+    def covered(self) -> list[ShapeEstimate]:
+        """The usable estimates that the truth covers."""
+        return self.run.covered(self.run.truth) if self.run.truth else []
+
+    @cached_property
+    def node_offsets_mm(self) -> list[Array]:
+        """Of each of them, where its nodal points lie from the truth (M, 3)."""
+        return node_offsets_mm(self.run, self.run.truth) if self.run.truth else []
+
+    @cached_property
     def node_errors_mm(self) -> list[Array]:
-        """Of each estimate that the truth covers, the distances (M,) of its nodal points from the truth."""
-        return node_errors_mm(self.run, self.run.truth) if self.run.truth else []
+        """Of each of them, the distances (M,) of its nodal points from the truth."""
+        return [np.linalg.norm(offsets, axis=1) for offsets in self.node_offsets_mm]
+
+    @cached_property
+    def inside(self) -> list[NDArray[np.bool_]]:
+        """Of the same estimates, whether each nodal point (M,) was in truth within its 95 % ellipsoid."""
+        return [
+            inside(errors, shape.node_covariance_mm2)
+            for errors, shape in zip(self.node_offsets_mm, self.covered, strict=True)
+        ]
 
     @cached_property
     def tip_errors_mm(self) -> Array:
@@ -74,13 +94,37 @@ class Findings:
     @cached_property
     def error_time_s(self) -> Array:
         """(N,) when these estimates were captured."""
-        covered = self.run.covered(self.run.truth) if self.run.truth else []
-        return self.since_start_s(times_ns(covered))
+        return self.since_start_s(times_ns(self.covered))
 
     @cached_property
     def sigmas_mm(self) -> list[Array]:
         """Of each usable estimate, the standard deviations (M,) that it claims for its nodal points."""
         return [np.sqrt(np.trace(shape.node_covariance_mm2, axis1=1, axis2=2)) for shape in self.run.usable]
+
+    @cached_property
+    def cameras(self) -> tuple[str, ...]:
+        """The cameras that carried an estimate, in the order in which they first did."""
+        return tuple(dict.fromkeys(name for shape in self.run.usable for name in shape.camera_names))
+
+    def by_camera(self, values: Callable[[ShapeEstimate], Array]) -> dict[str, Array]:
+        """What usable estimates say of each camera (N,); NaN where one did not carry an estimate."""
+        told = {name: np.full(len(self.run.usable), np.nan) for name in self.cameras}
+        for row, shape in enumerate(self.run.usable):
+            for name, value in zip(shape.camera_names, values(shape).tolist(), strict=True):
+                told[name][row] = value
+        return told
+
+    @cached_property
+    def epipolar_deg(self) -> Array:
+        """(N,) the smallest angle of each usable estimate's centreline to the epipolar direction."""
+        return np.array(
+            [np.degrees(shape.epipolar_angle_rad.min(initial=np.pi / 2)) for shape in self.run.usable]
+        )
+
+    @cached_property
+    def methods(self) -> Counter[str]:
+        """How many frame sets each method looked at."""
+        return Counter(shape.method for shape in self.run.shapes)
 
     @cached_property
     def warnings(self) -> list[Line]:

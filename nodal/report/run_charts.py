@@ -7,18 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller.limits import axis_name
-from nodal.report.bench_run import times_ns
-from nodal.report.charts import Chart, Series, a_second, bands, histogram, line, over_time
+from nodal.report import sensing_charts
+from nodal.report.charts import FLOOR_MM, TIME, Chart, Series, a_second, bands, histogram, line, over_time
 from nodal.report.findings import Findings
 from nodal.report.summary import capture_to_command_ms, lateness_ms
 
 Array = NDArray[np.float64]
 
-TIME = "time since the recording began, s"
 DURATION = "duration, ms"
 PLANES = (("above", "Paths from above", 0, 1), ("front", "Paths from the front", 0, 2))
-FLOOR_MM = 1e-3
-"""Less than this is the same on a logarithmic scale."""
 BREAK = np.full(1, np.nan)
 """Between stretches of a line that do not belong together."""
 
@@ -28,9 +25,10 @@ def run_charts(findings: Findings) -> dict[str, tuple[Chart, ...]]:
     makers: dict[str, Callable[[Findings], Iterable[Chart]]] = {
         "what-happened": _timeline,
         "tracking": _tracking,
-        "truth": _errors,
-        "quality": _quality,
-        "sensing": _sensing,
+        "truth": sensing_charts.errors,
+        "quality": sensing_charts.quality,
+        "cameras": sensing_charts.cameras,
+        "sensing": sensing_charts.sensing,
         "latency": _latency,
         "loop": _loop,
         "tendons": _tendons,
@@ -114,64 +112,6 @@ def _path(label: str, places_mm: Sequence[Array], plane: tuple[int, int], colour
     lines = [places[:, node] for places in places_mm for node in range(places.shape[1])]
     across, up = (_joined(points[:, axis] for points in lines) for axis in plane)
     return line(label, across, up, colour, "dashes" if colour < 0 else "line")
-
-
-def _errors(findings: Findings) -> Iterable[Chart]:
-    errors = findings.node_errors_mm
-    yield Chart(
-        key="estimate-error",
-        title="Error of the estimates against the truth",
-        x_label=TIME,
-        y_label="distance, mm",
-        series=(
-            over_time(
-                "worst nodal point", findings.error_time_s, [row.max(initial=FLOOR_MM) for row in errors], 1
-            ),
-            over_time("mean of nodal points", findings.error_time_s, [row.mean() for row in errors], 0),
-        ),
-        logarithmic="y",
-        bands=bands(findings.stretches, findings.run.start_ns),
-        wide=True,
-    )
-
-
-def _quality(findings: Findings) -> Iterable[Chart]:
-    usable = findings.run.usable
-    time_s = findings.since_start_s(times_ns(usable))
-    measures = (
-        ("residual", "Reprojection residual", "px", [shape.residual_px for shape in usable]),
-        ("ray-gap", "Gap between paired rays", "mm", [shape.ray_gap_mm for shape in usable]),
-        ("length", "Measured length", "mm", [shape.length_mm for shape in usable]),
-        (
-            "sigma",
-            "Largest standard deviation of a nodal point",
-            "mm",
-            [s.max(initial=0) for s in findings.sigmas_mm],
-        ),
-    )
-    for key, title, unit, values in measures:
-        yield Chart(
-            key=key, title=title, x_label=TIME, y_label=unit, series=(over_time("estimates", time_s, values),)
-        )
-
-
-def _sensing(findings: Findings) -> Iterable[Chart]:
-    captured_s = findings.since_start_s(times_ns(findings.run.usable))
-    yield Chart(
-        key="estimates-a-second",
-        title="Estimates in each second",
-        x_label=TIME,
-        y_label="estimates",
-        series=(a_second("estimates", captured_s),),
-    )
-    yield Chart(
-        key="estimating",
-        title="Time that an estimate takes",
-        x_label=TIME,
-        y_label="all stages, ms",
-        series=(over_time("estimates", captured_s, [1e3 * s.stage_s.sum() for s in findings.run.usable]),),
-        logarithmic="y",
-    )
 
 
 def _latency(findings: Findings) -> Iterable[Chart]:

@@ -70,7 +70,7 @@ def summary_of(run: BenchRun, recording: str, open_loop_rms_mm: float | None) ->
         estimates=len(run.usable),
         estimate_rate_hz=rounded(estimate_rate_hz(run)),
         flagged=sum(bool(shape.flags) for shape in run.usable),
-        node_error_mm=_spread(np.concatenate([np.zeros(0), *node_errors_mm(run, truth)])),
+        node_error_mm=_spread(np.linalg.norm(_all(node_offsets_mm(run, truth)), axis=1)),
         tip_error_mm=_spread(tip_errors_mm(run, truth)),
         tracking_error_mm=TrackingFigures(rms=rounded(circle.rms_mm()), steady=rounded(hold.rms_mm())),
         open_loop_error_mm=OpenLoopFigures(rms=rounded(open_loop_rms_mm)),
@@ -101,10 +101,10 @@ def lateness_ms(run: BenchRun) -> Array:
     return np.array([state.lateness_s for state in run.states]) * 1e3
 
 
-def node_errors_mm(run: BenchRun, truth: TrueShapes) -> list[Array]:
-    """For each estimate that the truth covers, the distances (M,) of its nodal points from the truth at its capture."""
+def node_offsets_mm(run: BenchRun, truth: TrueShapes) -> list[Array]:
+    """For each estimate that the truth covers, where its nodal points lie from the truth at its capture (M, 3)."""
     return [
-        np.linalg.norm(shape.node_mm - truth.points_mm(times_ns([shape]), shape.node_arc_mm)[0], axis=1)
+        shape.node_mm - truth.points_mm(times_ns([shape]), shape.node_arc_mm)[0]
         for shape in run.covered(truth)
     ]
 
@@ -114,6 +114,10 @@ def tip_errors_mm(run: BenchRun, truth: TrueShapes) -> Array:
     shapes = run.covered(truth)
     ends = np.array([shape.centreline_mm[-1] for shape in shapes]).reshape(-1, 3)
     return np.asarray(np.linalg.norm(ends - truth.centrelines_mm(times_ns(shapes))[:, -1], axis=1))
+
+
+def _all(offsets_mm: list[Array]) -> Array:
+    return np.concatenate([np.zeros((0, 3)), *offsets_mm])
 
 
 def _spread(values: Array) -> Spread:

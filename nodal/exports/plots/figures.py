@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from controller.limits import axis_name
 from messaging.control import State
 from nodal.report.bench_run import times_ns
-from nodal.report.charts import Band, Chart, Series, bands, histogram, over_time
+from nodal.report.charts import TIME, Band, Chart, Series, bands, histogram, over_time
 from nodal.report.findings import Findings
-from nodal.report.run_charts import DURATION, TIME, run_charts
+from nodal.report.run_charts import DURATION, run_charts
 from nodal.report.summary import capture_to_command_ms
 from nodal.report.tracking import Tracking
 
@@ -55,7 +55,11 @@ def figures(findings: Findings) -> tuple[Figure, ...]:
         ),
         Figure(name="latency", rows=rows(("latency",)), needs="shape, tendon/command or controller/state"),
         Figure(name="loop", rows=rows(("loop", "cycles-a-second")), needs="controller/state"),
-        Figure(name="quality", rows=rows(("sigma", "residual"), ("ray-gap", "length")), needs="shape"),
+        Figure(
+            name="quality",
+            rows=rows(("sigma", "epipolar"), ("ray-gap", "length"), ("camera-residual", "visible")),
+            needs="shape",
+        ),
     )
 
 

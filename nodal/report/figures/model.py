@@ -19,6 +19,7 @@ UNITS = {
     "c": "°C",
     "v": "V",
     "mb": "MB",
+    "deg": "°",
 }
 """By the last word of a figure's key; a figure without one of these is a count."""
 

@@ -1,10 +1,16 @@
 """Figures of sensing: how much, how good, how it judged itself, and what it cost."""
 
-import numpy as np
+from collections.abc import Iterable
 
-from nodal.report.figures.model import Chapter, Group, durations, extent, figures, spread
+import numpy as np
+from numpy.typing import NDArray
+
+from nodal.report.figures.model import Chapter, Figure, Group, durations, extent, figures, spread
 from nodal.report.findings import Findings
+from nodal.report.statistics import least, mean, percentile
 from nodal.report.summary import estimate_rate_hz
+
+Array = NDArray[np.float64]
 
 
 def sensing(findings: Findings) -> tuple[Chapter, ...]:
@@ -26,19 +32,7 @@ def sensing(findings: Findings) -> tuple[Chapter, ...]:
     )
     chapters = [Chapter("sensing", "Sensing", (estimates,))]
     if usable:
-        sigma_mm = np.concatenate([np.zeros(0), *findings.sigmas_mm])
-        chapters.append(
-            Chapter(
-                "quality",
-                "Quality as sensing judges it",
-                (
-                    Group("reprojection residual", extent([s.residual_px for s in usable], "px")),
-                    Group("gap between paired rays", extent([s.ray_gap_mm for s in usable], "mm")),
-                    Group("measured length", extent([s.length_mm for s in usable], "mm")),
-                    Group("standard deviation of nodal points", extent(sigma_mm, "mm")),
-                ),
-            )
-        )
+        chapters += [_quality(findings), _cameras(findings)]
     if findings.node_errors_mm:
         chapters.append(_errors(findings))
     if usable:
@@ -46,20 +40,82 @@ def sensing(findings: Findings) -> tuple[Chapter, ...]:
     return tuple(chapters)
 
 
+def _quality(findings: Findings) -> Chapter:
+    """What estimates say of themselves."""
+    usable = findings.run.usable
+    off_mm = [shape.length_mm - shape.known_length_mm for shape in usable if shape.known_length_mm]
+    sigma_mm = np.concatenate([np.zeros(0), *findings.sigmas_mm])
+    return Chapter(
+        "quality",
+        "Quality as sensing judges it",
+        (
+            Group("reprojection residual", extent([s.residual_px for s in usable], "px")),
+            Group("gap between paired rays", extent([s.ray_gap_mm for s in usable], "mm")),
+            Group("bias of the ray gap", extent([s.ray_bias_mm for s in usable], "mm")),
+            Group("measured length", extent([s.length_mm for s in usable], "mm")),
+            Group("measured length less the known one", extent(off_mm, "mm")),
+            Group("standard deviation of nodal points", extent(sigma_mm, "mm")),
+            Group("smallest epipolar angle", extent(findings.epipolar_deg, "deg")),
+        ),
+    )
+
+
+def _cameras(findings: Findings) -> Chapter:
+    """What each camera told; a camera that carried no estimate is not among them."""
+    residual_px = findings.by_camera(lambda shape: shape.camera_residual_px)
+    visible_mm = findings.by_camera(lambda shape: shape.visible_mm)
+    return Chapter(
+        "cameras",
+        "What each camera tells",
+        tuple(
+            Group(
+                f"camera {name}",
+                figures(
+                    estimates=("estimates that it carried", np.count_nonzero(np.isfinite(visible_mm[name]))),
+                    residual_mean_px=("residual, mean", mean(_known(residual_px[name]))),
+                    residual_p95_px=("residual, 95 % below", percentile(_known(residual_px[name]), 95)),
+                    visible_mean_mm=("visible length, mean", mean(_known(visible_mm[name]))),
+                    visible_min_mm=("visible length, least", least(_known(visible_mm[name]))),
+                ),
+            )
+            for name in findings.cameras
+        ),
+    )
+
+
+def _known(values: Array) -> Array:
+    return values[np.isfinite(values)]
+
+
+def _coverage(inside: Iterable[bool]) -> tuple[Figure, ...]:
+    """A promise of sensing: 90 to 99 % of nodal points lie within their 95 % ellipsoids."""
+    return figures(inside_percent=("within the 95 % ellipsoid", mean(100.0 * np.array(list(inside)))))
+
+
 def _errors(findings: Findings) -> Chapter:
     """Distances from the truth at each estimate's capture, flagged ones too."""
-    run = findings.run
-    covered = run.covered(run.truth) if run.truth else []
-    by_node: dict[str, list[float]] = {}
-    for shape, errors in zip(covered, findings.node_errors_mm, strict=True):
-        for name, error in zip(shape.node_names, errors.tolist(), strict=True):
-            by_node.setdefault(name, []).append(error)
+    by_node: dict[str, list[tuple[float, bool]]] = {}
+    for shape, errors, inside in zip(findings.covered, findings.node_errors_mm, findings.inside, strict=True):
+        for name, *told in zip(shape.node_names, errors.tolist(), inside.tolist(), strict=True):
+            by_node.setdefault(name, []).append((told[0], told[1]))
     return Chapter(
         "truth",
         "Errors against the truth",
         (
-            Group("all nodal points", spread(np.concatenate(findings.node_errors_mm), "mm")),
-            *(Group(f"nodal point {name}", spread(errors, "mm")) for name, errors in by_node.items()),
+            Group(
+                "all nodal points",
+                (
+                    *spread(np.concatenate(findings.node_errors_mm), "mm"),
+                    *_coverage(np.concatenate(findings.inside)),
+                ),
+            ),
+            *(
+                Group(
+                    f"nodal point {name}",
+                    (*spread([error for error, _ in told], "mm"), *_coverage(within for _, within in told)),
+                )
+                for name, told in by_node.items()
+            ),
             Group("end of the centreline", spread(findings.tip_errors_mm, "mm")),
         ),
     )

@@ -88,7 +88,9 @@ def doubts(findings: Findings) -> list[Content]:
         )
         for kind, count in findings.refusals.most_common()
     ]
+    methods = ", ".join(f"{name} ({count} frame sets)" for name, count in findings.methods.most_common())
     return [
+        element("p", f"Method: {methods}.") if methods else None,
         _table("Flags", ["flag", "estimates", "first"], flagged),
         _table("Refusals", ["kind", "frame sets", "first"], refused),
     ]

@@ -4,7 +4,7 @@ import time
 
 from nodal.report.figures.model import Figure
 
-DIGITS = {"mm": 3, "px": 3, "ms": 1, "s": 2, "Hz": 1, "%": 1, "mA": 0, "°C": 1, "V": 1, "MB": 2}
+DIGITS = {"mm": 3, "px": 3, "ms": 1, "s": 2, "Hz": 1, "%": 1, "mA": 0, "°C": 1, "V": 1, "MB": 2, "°": 1}
 NOTHING = "–"
 MINUS = "−"
 THIN_SPACE = "\u202f"

@@ -18,6 +18,7 @@ from nodal.report.verdict import Level, Verdict
 
 HIGHLIGHTS = (
     ("truth", "all nodal points", "mean_mm", "mean error of nodal points"),
+    ("truth", "all nodal points", "inside_percent", "of nodal points within their 95 % ellipsoid"),
     ("sensing", "estimates", "rate_hz", "rate of estimates"),
     ("latency", "capture to command", "p50_ms", "capture to command, median"),
     ("latency", "capture to command", "p99_ms", "capture to command, 99 % below"),
@@ -76,7 +77,7 @@ def run_sections(report: RunReport, anchor: str) -> list[Element]:
             [
                 chapter("sensing"),
                 events.doubts(findings),
-                *(chapter(key, titled=True) for key in ("truth", "quality", "stages")),
+                *(chapter(key, titled=True) for key in ("truth", "quality", "cameras", "stages")),
             ],
         ),
         ("latency", "Latencies", chapter("latency")),

@@ -118,7 +118,7 @@ def _draw_row(
         words = "\n".join(textwrap.wrap(sight.problem, LETTERS))
         row[2].imshow(np.zeros_like(sight.distance), extent=extent, cmap="gray", vmin=0, vmax=255)
         row[2].text(
-            0.5, 0.5, words, transform=row[2].transAxes, ha="center", va="center", fontsize=6, color="white"
+            0.5, 0.8, words, transform=row[2].transAxes, ha="center", va="center", fontsize=6, color="white"
         )
     else:
         row[2].imshow(sight.mask, extent=extent, cmap="gray", vmin=0, vmax=255, interpolation="antialiased")
