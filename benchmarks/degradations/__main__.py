@@ -5,6 +5,7 @@ Every case and level is photographed by the simulated cameras in seeded poses, a
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -12,17 +13,17 @@ import cv2
 from benchmarks.degradations.cases import CASES
 from benchmarks.degradations.level import Case, Level
 from benchmarks.degradations.looking import draw, in_words
-from benchmarks.degradations.running import Outcome, run
+from benchmarks.degradations.running import Outcome, prior, run
 from benchmarks.degradations.table import COLUMNS, LEGEND, Row, as_json, as_line, as_markdown, cells
 from sensing.method import METHODS
 from sensing.settings import MethodName
 
-POSES = 5
+POSES = 4
 
 
-def main() -> int:
-    """Measure and print."""
-    arguments = _arguments()
+def main(words: Sequence[str] | None = None) -> int:
+    """Measure and print; `words` are those of the command line unless given."""
+    arguments = _arguments(words)
     cv2.setNumThreads(1)
     cases = arguments.only or CASES
     if arguments.list:
@@ -78,13 +79,13 @@ def _measure(cases: tuple[Case, ...], method: MethodName, poses: int, show_silen
 
 def _reproduce(place: tuple[str, Level, int], method: MethodName, folder: Path | None) -> None:
     case, level, number = place
-    for seen in run(level, method, number):
+    for seen in (prior(level, method, number), *run(level, method, number)):
         print(f"{method} {case}:{level.name}:{number} {in_words(seen.outcome)}")
         if folder:
             draw(folder / f"{method}-{seen.outcome.start}", level, seen)
 
 
-def _arguments() -> argparse.Namespace:
+def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.degradations", description=__doc__.splitlines()[0]
     )
@@ -116,7 +117,7 @@ def _arguments() -> argparse.Namespace:
         metavar="DIR",
         help="draw what --reproduce finds, and keep its pictures and calibration",
     )
-    return parser.parse_args()
+    return parser.parse_args(words)
 
 
 def _cases(text: str) -> tuple[Case, ...]:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.degradations import level, rigs
+from benchmarks.degradations import coding, level, rigs
 from benchmarks.degradations.level import FRAME_S, Case, Level
 from benchmarks.degradations.rigs import Rig
 from benchmarks.degradations.scenery import Bench
@@ -88,17 +88,23 @@ CAMERA_CASES = (
     Case(
         "camera lost",
         (
-            Level(name="1 of 2, no picture", handed=level.without("left")),
-            Level(
-                name="1 of 2, cut picture", handed=level.replaced("left", lambda jpeg: jpeg[: len(jpeg) // 2])
+            Level(name="1 of 2", handed=level.without("left")),
+            Level(name="1 of 3", bench=THREE, handed=level.without("left")),
+            Level(name="2 of 3", bench=THREE, handed=level.without("left", "above")),
+            Level(name="2 of 4", bench=FOUR, handed=level.without("left", "above")),
+        ),
+    ),
+    Case(
+        "bad picture",
+        (
+            *(
+                Level(name=f"{change.__name__}, 1 of 2", handed=level.replaced("left", change))
+                for change in (coding.cut, coding.damaged, coding.halved, coding.blackened)
             ),
-            Level(name="1 of 3, no picture", bench=THREE, handed=level.without("left")),
-            Level(
-                name="1 of 3, cut picture",
-                bench=THREE,
-                handed=level.replaced("left", lambda jpeg: jpeg[: len(jpeg) // 2]),
+            *(
+                Level(name=f"{change.__name__}, 1 of 3", bench=THREE, handed=level.replaced("left", change))
+                for change in (coding.cut, coding.blackened)
             ),
-            Level(name="2 of 4, no picture", bench=FOUR, handed=level.without("left", "above")),
         ),
     ),
     Case("cameras swapped", (Level(name="2 of 2", handed=level.swapped("left", "right")),)),

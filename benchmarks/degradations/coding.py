@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike
 
 from benchmarks.degradations.scenery import Image
 
@@ -44,6 +45,27 @@ def png_16_bit(picture: Image) -> bytes:
     ].tobytes()
 
 
+def cut(coded: bytes) -> bytes:
+    """The first half of a coded picture."""
+    return coded[: len(coded) // 2]
+
+
+def damaged(coded: bytes) -> bytes:
+    """A coded picture of which some bytes in the middle were lost on their way."""
+    middle = len(coded) // 2
+    return coded[:middle] + coded[middle + 40 :]
+
+
+def halved(coded: bytes) -> bytes:
+    """A picture of the same scene of half the size."""
+    return jpeg()(_bytes(cv2.resize(_picture(coded), None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)))
+
+
+def blackened(coded: bytes) -> bytes:
+    """What the camera sees with its lens covered."""
+    return jpeg()(_bytes(0 * _picture(coded)))
+
+
 def noisy(picture: Image, sigma_levels: float, random: np.random.Generator) -> Image:
     """The picture with Gaussian noise in every pixel and channel."""
     height, width = picture.shape[:2]
@@ -51,7 +73,15 @@ def noisy(picture: Image, sigma_levels: float, random: np.random.Generator) -> I
     top, left = random.integers(0, height // 4), random.integers(0, width // 4)
     part = slice(top, top + height), slice(left, left + width)
     # two saturating additions of bytes are many times faster than one with signs
-    return np.asarray(cv2.subtract(cv2.add(picture, brighter[part]), darker[part]), dtype=np.uint8)
+    return _bytes(cv2.subtract(cv2.add(picture, brighter[part]), darker[part]))
+
+
+def _picture(coded: bytes) -> Image:
+    return np.asarray(cv2.imdecode(np.frombuffer(coded, np.uint8), cv2.IMREAD_COLOR), np.uint8)
+
+
+def _bytes(picture: ArrayLike) -> Image:
+    return np.asarray(picture, dtype=np.uint8)
 
 
 @lru_cache(maxsize=4)

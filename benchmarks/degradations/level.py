@@ -10,7 +10,9 @@ from benchmarks.degradations.coding import Coder, jpeg, noisy
 from benchmarks.degradations.motions import Motion, Mover, anywhere
 from benchmarks.degradations.optics import Optics, untouched
 from benchmarks.degradations.rigs import Rig
-from benchmarks.degradations.scenery import REFERENCE, Bench, Sight
+from benchmarks.degradations.scenery import NOTHING_MM, REFERENCE, Bench, Sight
+from benchmarks.poses import LENGTH_MM
+from sensing.scene import Scene
 
 FRAME_S = 1 / 30
 EXPOSURE_S = 0.006
@@ -37,7 +39,7 @@ class Level:
 
     `captured(camera, time_s)` says which moment the picture shows that a camera hands over for `time_s`; `handed`
     changes the coded pictures by camera; `believed` gives the calibration that sensing has for the rig that is there.
-    With `background` sensing has a picture of the undegraded scene without the robot.
+    With `background` sensing has a picture without the robot, in which the scene looks as this says.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Level:
     coder: Coder = jpeg()
     handed: Callable[[dict[str, bytes]], dict[str, bytes]] = as_they_are
     believed: Callable[[Rig], Rig] = calibrated
+    background: Optics | None = None
 
     def moves(self, number: int) -> Motion:
         """The motion of a number: levels with the same kind of motion share it."""
@@ -61,6 +64,20 @@ class Level:
         return self.handed(
             {camera.camera: self._picture(camera.camera, motion, number, time_s) for camera in self.bench.rig}
         )
+
+    def scene(self) -> Scene:
+        """What sensing believes; its method may be asked for shapes in the pictures."""
+        return Scene.of(self.believed(self.bench.rig), backgrounds=self._backgrounds(), length_mm=LENGTH_MM)
+
+    def _backgrounds(self) -> dict[str, bytes]:
+        if self.background is None:
+            return {}
+        random = np.random.default_rng(3)
+        sights = [Sight(camera, NOTHING_MM, random, self.bench) for camera in self.bench.rig]
+        return {
+            sight.camera.camera: jpeg()(noisy(self.background(sight.empty, sight), 2.0, random))
+            for sight in sights
+        }
 
     def _picture(self, name: str, motion: Motion, number: int, time_s: float) -> bytes:
         seen_s = self.captured(name, time_s)

@@ -27,6 +27,14 @@ def blurred(sigma_px: float) -> Optics:
     return lambda picture, _: _bytes(cv2.GaussianBlur(picture, (0, 0), sigma_px))
 
 
+def shifted(by_px: float) -> Optics:
+    """Everything lies further right."""
+    move = np.array([[1.0, 0, by_px], [0, 1, 0]])
+    return lambda picture, _: _bytes(
+        cv2.warpAffine(picture, move, picture.shape[1::-1], borderMode=cv2.BORDER_REPLICATE)
+    )
+
+
 def exposed(stops: float) -> Optics:
     """More light, or less: each stop doubles it."""
     light = (np.arange(256) / 255) ** GAMMA * 2.0**stops

@@ -75,4 +75,13 @@ PICTURE_CASES = (
             )
         ),
     ),
+    Case(
+        "background picture",
+        (
+            Level(name="true", background=optics.untouched),
+            Level(name="0.3 stops brighter", background=optics.exposed(0.3)),
+            Level(name="0.3 stops darker", background=optics.exposed(-0.3)),
+            Level(name="camera moved by 8 px", background=optics.shifted(8)),
+        ),
+    ),
 )

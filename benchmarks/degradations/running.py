@@ -10,12 +10,12 @@ from scipy.stats import chi2
 
 from benchmarks.degradations.level import FRAME_S, Level
 from benchmarks.degradations.motions import Mover
+from benchmarks.degradations.optics import untouched
 from benchmarks.degradations.scenery import Bench
-from benchmarks.poses import LENGTH_MM, NODES_MM, Array, true_nodes
+from benchmarks.poses import NODES_MM, Array, true_nodes
 from sensing.errors import SensingError
 from sensing.method import METHODS, Method
 from sensing.refined.track import Track
-from sensing.scene import Scene
 from sensing.settings import MethodName
 from sensing.shape import Shape
 
@@ -24,6 +24,7 @@ SILENT_MM = 1.0
 WARM_FRAMES = 3
 INSIDE = float(chi2(3).ppf(0.95))
 """The squared Mahalanobis distance of the 95 % ellipsoid."""
+LEAST_VARIANCE_MM2 = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,9 @@ class Outcome:
     @property
     def start(self) -> str:
         """How the estimate began."""
-        return f"warm-{self.frame}" if self.warm else "cold"
+        if self.warm:
+            return f"warm-{self.frame}"
+        return "prior" if self.frame < 0 else "cold"
 
     @property
     def trusted(self) -> bool:
@@ -71,16 +74,20 @@ class Seen:
 
 def run(level: Level, method: MethodName, number: int) -> Iterator[Seen]:
     """One estimate without a prior, then frame after frame from a shape found in undegraded pictures."""
-    scene = Scene.of(level.believed(level.bench.rig), length_mm=LENGTH_MM)
-    estimator = METHODS[method](scene)
+    estimator = METHODS[method](level.scene())
     frames = [level.pictures(number, frame * FRAME_S) for frame in range(WARM_FRAMES)]
     motion = level.moves(number)
     yield _judged(estimator, frames[0], None, motion.at(0.0), warm=False, frame=0)
-    track = _undegraded(level.bench, level.motion, method, number)
+    track = _track(prior(level, method, number))
     for frame, pictures in enumerate(frames):
         seen = _judged(estimator, pictures, track, motion.at(frame * FRAME_S), warm=True, frame=frame)
-        track = None if seen.shape is None else seen.shape.track
+        track = _track(seen)
         yield seen
+
+
+def prior(level: Level, method: MethodName, number: int) -> Seen:
+    """What comes of undegraded pictures taken one frame before the first, with a true calibration and no prior."""
+    return _undegraded(level.bench, level.motion, level.background is not None, method, number)
 
 
 def held_against(shape: Shape, truth_mm: Array) -> tuple[Array, Array]:
@@ -90,8 +97,10 @@ def held_against(shape: Shape, truth_mm: Array) -> tuple[Array, Array]:
     """
     found_mm, covariance = shape.nodes(NODES_MM)
     off = found_mm - true_nodes(truth_mm)
-    # a singular covariance claims to know a direction exactly, which no truth satisfies
-    distance = np.einsum("ni,nij,nj->n", off, np.linalg.pinv(covariance, hermitian=True), off)
+    variance, axes = np.linalg.eigh(covariance)
+    along = np.einsum("nij,ni->nj", axes, off)
+    # a direction that a covariance claims to know exactly has room for no truth
+    distance = (along**2 / np.maximum(variance, LEAST_VARIANCE_MM2)).sum(axis=1)
     return np.linalg.norm(off, axis=1), distance <= INSIDE
 
 
@@ -125,17 +134,13 @@ def _estimate(method: Method, pictures: Mapping[str, bytes], track: Track | None
     return method.estimate(decoded_late, 0.0, track, time.perf_counter)
 
 
-@lru_cache(maxsize=64)
-def _undegraded(bench: Bench, motion: Mover, method: MethodName, number: int) -> Track | None:
-    """The track one frame before the first, from undegraded pictures and a true calibration."""
-    clean = Level(name="undegraded", bench=bench, motion=motion)
-    estimator = METHODS[method](Scene.of(bench.rig, length_mm=LENGTH_MM))
-    seen = _judged(
-        estimator,
-        clean.pictures(number, -FRAME_S),
-        None,
-        clean.moves(number).at(-FRAME_S),
-        warm=False,
-        frame=-1,
-    )
+@lru_cache(maxsize=32)
+def _undegraded(bench: Bench, motion: Mover, background: bool, method: MethodName, number: int) -> Seen:
+    clean = Level(name="undegraded", bench=bench, motion=motion, background=untouched if background else None)
+    truth_mm = clean.moves(number).at(-FRAME_S)
+    pictures = clean.pictures(number, -FRAME_S)
+    return _judged(METHODS[method](clean.scene()), pictures, None, truth_mm, warm=False, frame=-1)
+
+
+def _track(seen: Seen) -> Track | None:
     return None if seen.shape is None else seen.shape.track

@@ -1,6 +1,7 @@
 """Outcomes counted into rows, and rows written as text, Markdown and JSON."""
 
 import json
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -11,6 +12,7 @@ import numpy as np
 from benchmarks.degradations.running import Outcome
 from benchmarks.poses import Array
 
+NUMBER = re.compile(r"\d+(\.\d+)?")
 COLUMNS = (
     "case",
     "level",
@@ -81,7 +83,7 @@ class Row:
         trusted = [outcome for outcome in outcomes if outcome.trusted]
         errors = np.concatenate([np.empty(0), *(outcome.error_mm for outcome in trusted)])
         reasons = Counter(flag for outcome in outcomes for flag in outcome.flags)
-        reasons.update(f"! {outcome.refusal}" for outcome in outcomes if outcome.refusal)
+        reasons.update("! " + NUMBER.sub("#", outcome.refusal) for outcome in outcomes if outcome.refusal)
         return cls(
             method=method,
             case=case,
