@@ -24,7 +24,6 @@ LIGHT_STRIDE = 6
 """Every so many detection pixels, across and down, are compared to learn how the light has changed."""
 SAME_LIGHT = 0.01
 """A change of the light by less is not worth following: it is below one level."""
-SQUARES = np.arange(256, dtype=np.float32) ** 2
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,9 @@ class Backdrop:
         """Equation 1: the Euclidean colour distance (h, w) of a part of a picture, in detection pixels, from the backdrop."""
         # at every place and in every colour one of the two differences saturates at zero
         outside = cv2.add(cv2.subtract(small, self.high[window]), cv2.subtract(self.low[window], small))
-        squares = cv2.transform(cv2.LUT(outside, SQUARES), np.ones((1, 3)))
+        squares = np.zeros(outside.shape[:2], dtype=np.float32)
+        for colour in cv2.split(outside):
+            cv2.accumulateSquare(colour, squares)
         return np.asarray(cv2.sqrt(squares), dtype=np.float32)
 
 

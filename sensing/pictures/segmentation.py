@@ -94,11 +94,11 @@ def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limi
             f"camera {name}: nothing stands out from the backdrop where the robot leaves its base "
             f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {threshold:.0f})"
         )
-    mask = np.where(distance > threshold, np.uint8(255), np.uint8(0))
+    mask = (distance > threshold).view(np.uint8) * np.uint8(255)
+    _drop_holder(mask, base.pixel - (left, top), base, limits.holder_radius_mm)
     if limits.threshold is None:
         _drop_shadows(mask, small[window], backdrop.small[window], at_base, noise)
     mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
-    _drop_holder(mask, base.pixel - (left, top), base, limits.holder_radius_mm)
     whole = np.zeros(small.shape[:2], dtype=np.uint8)
     whole[window] = _component_at_base(name, mask, at_base, SMALLEST_ROBOT_MM2 * base.px_per_mm**2)
     return whole
@@ -130,37 +130,37 @@ def _drop_shadows(mask: Mask, picture: Image, empty: Image, at_base: Places, noi
 
 def _shade(seen: Image, empty: Image) -> tuple[FloatArray, FloatArray]:
     """The share (n,) of the backdrop's level that colours (n, 3) have, and their distance (n,) from that shade of it."""
-    colours, backdrop = seen.astype(np.float64), empty.astype(np.float64)
+    colours, backdrop = seen.astype(np.float32), empty.astype(np.float32)
     share = (colours * backdrop).sum(axis=1) / np.maximum((backdrop**2).sum(axis=1), 1.0)
     return share, np.linalg.norm(colours - share[:, None] * backdrop, axis=1)
 
 
 def _drop_holder(mask: Mask, pixel: FloatArray, base: BaseView, radius_mm: float) -> None:
-    y, x = np.ogrid[: mask.shape[0], : mask.shape[1]]
-    along = (x - pixel[0]) * base.up[0] + (y - pixel[1]) * base.up[1]
-    across = (y - pixel[1]) * base.up[0] - (x - pixel[0]) * base.up[1]
-    mask[(along < 0) & (np.abs(across) < radius_mm * base.px_per_mm)] = 0
+    across = radius_mm * base.px_per_mm * np.array([-base.up[1], base.up[0]])
+    down = -sum(mask.shape) * base.up
+    strip = pixel + np.array([across, across + down, down - across, -across])
+    cv2.fillConvexPoly(mask, np.rint(strip * 16).astype(np.int32), 0, shift=4)
 
 
 def _component_at_base(name: str, mask: Mask, at_base: Places, smallest_px: float) -> Mask:
     """What hangs together with the robot's beginning, small holes (glare, dust) filled."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    labels = np.asarray(cv2.connectedComponents(mask, connectivity=8)[1])
     touched = labels[at_base]
     touched = touched[touched > 0]
     if touched.size == 0:
         raise RefusedError(f"camera {name}: no robot is joined to its base")
-    label = int(np.bincount(touched).argmax())
-    x, y, width, height, area = statistics[label]
+    robot: Mask = (labels == np.bincount(touched).argmax()).view(np.uint8) * np.uint8(255)
+    area = int(np.count_nonzero(robot))
     if area < smallest_px:
         raise RefusedError(
             f"camera {name}: what stands at the base is too small for a robot "
             f"({area} px in detection, {smallest_px:.0f} at least)"
         )
-    part = slice(y, y + height), slice(x, x + width)
-    around = np.pad(labels[part] != label, 1, constant_values=True).astype(np.uint8)
-    _, gaps, sizes, _ = cv2.connectedComponentsWithStats(around, connectivity=4)
-    open_gap = sizes[:, cv2.CC_STAT_AREA] >= smallest_px
-    open_gap[[0, gaps[0, 0]]] = False, True
-    robot = np.zeros_like(mask)
-    robot[part] = np.where(open_gap[gaps[1:-1, 1:-1]], np.uint8(0), np.uint8(255))
+    x, y, width, height = cv2.boundingRect(robot)
+    part = robot[y : y + height, x : x + width]
+    around = np.pad(255 - part, 1, constant_values=255)
+    gaps = np.asarray(cv2.connectedComponents(around, connectivity=4)[1])
+    small = np.bincount(gaps.ravel()) < smallest_px
+    small[gaps[0, 0]] = False
+    part[small[gaps[1:-1, 1:-1]]] = 255
     return robot

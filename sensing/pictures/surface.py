@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.pictures.light import Image
 
-STRIDE = 16
+COLUMNS = 96
+"""Places across a picture at which it is read, and the surface is worked out."""
 ROUNDS = 12
 
 
@@ -27,8 +28,9 @@ class Surface:
         lose their say from one round to the next.
         """
         height, width = picture.shape[:2]
-        colours = picture[::STRIDE, ::STRIDE].reshape(-1, 3).astype(np.float64)
-        y, x = np.mgrid[0:height:STRIDE, 0:width:STRIDE]
+        stride = max(width // COLUMNS, 1)
+        colours = picture[::stride, ::stride].reshape(-1, 3).astype(np.float64)
+        y, x = np.mgrid[0:height:stride, 0:width:stride]
         terms = _terms(x.ravel() / width - 0.5, y.ravel() / height - 0.5)
         weight = np.ones(len(colours))
         coefficients: FloatArray = np.zeros((terms.shape[1], 3))
@@ -51,17 +53,18 @@ class Surface:
 
     def _colours(self, size_px: tuple[int, int]) -> NDArray[np.float32]:
         """At a few places (h, w, 3), evenly over the picture."""
-        (width, height), (columns, rows) = size_px, (max(size // STRIDE, 2) for size in size_px)
+        width, height = size_px
+        columns, rows = COLUMNS, max(COLUMNS * height // width, 2)
         y, x = np.mgrid[0:rows, 0:columns]
         across = (x.ravel() + 0.5) / columns - 0.5 / width - 0.5
         down = (y.ravel() + 0.5) / rows - 0.5 / height - 0.5
         colours = (_terms(across, down) @ self.coefficients).reshape(rows, columns, 3)
-        return np.asarray(colours, dtype=np.float32)
+        return np.asarray(np.maximum(colours, 0.0), dtype=np.float32)
 
 
 def _enlarged(colours: NDArray[np.float32], shape: tuple[int, int]) -> Image:
-    smooth = np.asarray(cv2.resize(colours, shape[::-1], interpolation=cv2.INTER_LINEAR))
-    return np.asarray(cv2.convertScaleAbs(np.maximum(smooth, 0.0)), dtype=np.uint8)
+    smooth = cv2.resize(colours, shape[::-1], interpolation=cv2.INTER_LINEAR)
+    return np.asarray(cv2.convertScaleAbs(smooth), dtype=np.uint8)
 
 
 def _terms(x: FloatArray, y: FloatArray) -> FloatArray:

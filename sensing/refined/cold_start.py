@@ -5,6 +5,7 @@ Each stage's result stays available, so that a picture of every step can be draw
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -16,13 +17,16 @@ from sensing.geometry.rays import best_pair, ray_gaps, triangulate
 from sensing.pictures.backdrop import Backdrop
 from sensing.pictures.picture import Picture
 from sensing.pictures.segmentation import BaseView, Limits, robot_mask
-from sensing.refined.midline import half_width, midline
+from sensing.refined.midline import half_width, midlines
 from sensing.refined.tube import Curve
 from sensing.refined.walk import ordered_pairs
 from sensing.scene import Scene
 from sensing.shape import Silhouette, Stages
 
 MIDLINE_POINTS = 100
+LEAST_LENGTH_MM = 5.0
+LENGTH_SHARE = 0.1
+"""Of the difference between a first curve's length and the robot's: midlines end a little early or late."""
 BASE_STRETCH = 0.05
 """The share of the walk next to the base that is left to the base's known pose: the holder's rim blurs it."""
 
@@ -39,35 +43,61 @@ def cold_start(
     scene: Scene, pictures: Mapping[str, Picture], backdrops: Mapping[str, Backdrop], insertion_mm: float
 ) -> ColdStart:
     """Find the robot in every picture and in space; raises RefusedError naming the camera that does not show it."""
-    silhouettes = {
-        camera.name: _silhouette(
+    found = {
+        camera.name: _silhouettes(
             camera, pictures[camera.name], backdrops[camera.name], insertion_mm, scene.limits(camera.name)
         )
         for camera in scene.cameras
     }
-    first, second = best_pair(scene.cameras, np.array([0.0, 0.0, insertion_mm]))
-    midlines = [_evened(silhouettes[camera.name]) for camera in (first, second)]
-    rays = [camera.rays(midline) for camera, midline in zip((first, second), midlines, strict=True)]
+    pair = best_pair(scene.cameras, np.array([0.0, 0.0, insertion_mm]))
+    matches = (
+        _matched(pair, chosen, insertion_mm) for chosen in product(*(found[camera.name] for camera in pair))
+    )
+    best = min(matches, key=lambda match: match.unlikeliness(scene.length_mm))
+    silhouettes = {name: choices[0] for name, choices in found.items()}
+    silhouettes |= {camera.name: seen for camera, seen in zip(pair, best.silhouettes, strict=True)}
+    return ColdStart(best.curve, Stages(silhouettes, best.points_mm, best.gaps_mm))
+
+
+@dataclass(frozen=True)
+class _Match:
+    """One midline of each of two cameras taken together: the paired rays' points (n, 3), their gaps (n,), and the curve."""
+
+    silhouettes: tuple[Silhouette, ...]
+    points_mm: FloatArray
+    gaps_mm: FloatArray
+    curve: Curve
+
+    def unlikeliness(self, length_mm: float | None) -> float:
+        """How badly the two agree, in mm: the gaps, and how far the curve is from the robot's length."""
+        gap = float(np.sqrt(np.mean(self.gaps_mm**2)))
+        return gap if length_mm is None else gap + LENGTH_SHARE * abs(self.curve.length_mm - length_mm)
+
+
+def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], insertion_mm: float) -> _Match:
+    first, second = pair
+    rays = [camera.rays(_evened(seen)) for camera, seen in zip(pair, silhouettes, strict=True)]
     i, j = ordered_pairs(ray_gaps(first, rays[0], second, rays[1]))
     points, gaps = triangulate(first, rays[0][i], second, rays[1][j])
     walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
-    radius = silhouettes[first.name].half_width_px / _px_per_mm(first, points)
-    return ColdStart(_first_curve(points, walk, insertion_mm, radius), Stages(silhouettes, points, gaps))
+    radius = silhouettes[0].half_width_px / _px_per_mm(first, points)
+    return _Match(silhouettes, points, gaps, _first_curve(points, walk, insertion_mm, radius))
 
 
-def _silhouette(
+def _silhouettes(
     camera: Camera, picture: Picture, backdrop: Backdrop, insertion_mm: float, limits: Limits
-) -> Silhouette:
-    base = BaseView.of(camera, insertion_mm)
-    grid = backdrop.grid
+) -> tuple[Silhouette, ...]:
+    """The robot's mask in a picture with each of the lines that may be its midline."""
+    base, grid = BaseView.of(camera, insertion_mm), backdrop.grid
     mask = robot_mask(camera.name, picture.reduced(grid.step), backdrop, base, limits)
-    skeleton = midline(mask, base.pixel)
-    if len(skeleton) < MIDLINE_POINTS // 5:
+    least_px = LEAST_LENGTH_MM * base.px_per_mm
+    lines = [line for line in midlines(mask, base.pixel) if curve.arc_lengths(line)[-1] > least_px]
+    if not lines:
         raise RefusedError(
-            f"camera {camera.name}: the robot's silhouette is only {len(skeleton) * grid.step} px long"
+            f"camera {camera.name}: the robot's silhouette is less than {LEAST_LENGTH_MM:g} mm long"
         )
-    width = half_width(mask)
-    return Silhouette(mask, grid.fine(skeleton), width * grid.step)
+    width = half_width(mask) * grid.step
+    return tuple(Silhouette(mask, grid.fine(line), width) for line in lines)
 
 
 def _evened(silhouette: Silhouette) -> FloatArray:

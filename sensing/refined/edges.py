@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
-from sensing.pictures.backdrop import Image
+from sensing.pictures.light import Image
 
 SPACING_PX = 0.8
 """Along normals brightness is read at least as densely as this."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
-from sensing.pictures.backdrop import Image
+from sensing.pictures.light import Image
 from sensing.refined.edges import Walk, contrast, edge_pairs, ends
 from sensing.refined.tube import END_LINES, Curve, End, Sides, Tip, end, lengths, sides
 

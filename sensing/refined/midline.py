@@ -1,60 +1,135 @@
 """The silhouette's midline from base to tip (METHOD step 4).
 
-The skeleton is the cheapest path along the ridge of the distance transform, from the base to the silhouette's far end:
-one ordered line without side branches, which a thinned skeleton is not.
+A silhouette is thinned to lines, and its midline is a walk along them that begins at the base. Where a robot crosses or
+touches itself, or something else touches it, the lines branch and there are several walks: those that leave little of the
+silhouette out and turn little at junctions come first, and the other cameras tell which is right (`cold_start`).
 """
+
+from collections.abc import Iterator
+from itertools import pairwise
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
+from sensing.pictures.grid import Grid
 from sensing.pictures.segmentation import Mask
+from sensing.refined.network import Arc, network
+from sensing.refined.thinning import thinned
 
-NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (1, -1))
+THIN_PX = 4.0
+"""Masks are thinned at a size at which the tube's half width is about this."""
+MOSTLY = 100
+"""The level above which a pixel counts that is robot in part."""
+SPUR = 2.5
+"""A free branch shorter than so many half widths is a corner of the silhouette."""
+TURN = 3.0
+"""To turn by a right angle at a junction is as unlikely as to leave out so many half widths of the silhouette."""
+BEYOND = 5.0
+"""The silhouette ends at most so many half widths after its thin line does."""
+SMOOTHED = 5
+MOST_ARCS = 8
+MOST_MIDLINES = 3
+PLAUSIBLE = 8.0
+"""Walks that leave out or turn by so much more than the likeliest are no midlines."""
+
+Walk = tuple[Arc, ...]
 
 
-def midline(mask: Mask, base_pixel: FloatArray) -> FloatArray:
-    """Pixels (n, 2) as (x, y) of the midline of a mask (h, w), ordered from the one nearest the base to the tip."""
-    from scipy.sparse import csr_array  # noqa: PLC0415  slow to import, and only a cold start needs it
-    from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
+def midlines(mask: Mask, base_pixel: FloatArray) -> tuple[FloatArray, ...]:
+    """Lines (n, 2) as (x, y) px along the middle of a mask (h, w), from the base to the end: the likeliest first.
 
+    There is none in a mask without pixels.
+    """
     x0, y0, width, height = cv2.boundingRect(mask)
-    box = np.pad(mask[y0 : y0 + height, x0 : x0 + width], 1)
-    depth = cv2.distanceTransform(box, cv2.DIST_L2, 5)
-    number = np.full(box.shape, -1)
-    rows, columns = np.nonzero(box)
-    number[rows, columns] = np.arange(len(rows))
-    cost = (float(depth.max()) / depth[rows, columns]) ** 3
-    edges = [_edges(number, rows, columns, step) for step in NEIGHBOURS]
-    tail, head = (np.concatenate([edge[side] for edge in edges]) for side in (0, 1))
-    length = np.concatenate([edge[2] for edge in edges])
-    shape = (len(rows), len(rows))
-    near = csr_array((length, (tail, head)), shape=shape)
-    ridge = csr_array((length * (cost[tail] + cost[head]), (tail, head)), shape=shape)
-
-    pixels = np.column_stack([columns + x0 - 1, rows + y0 - 1]).astype(np.float64)
-    start = int(np.linalg.norm(pixels - base_pixel, axis=1).argmin())
-    away = dijkstra(near, directed=False, indices=start)
-    tip = int(np.where(np.isfinite(away), away, -1.0).argmax())
-    _, before = dijkstra(ridge, directed=False, indices=start, return_predecessors=True)
-    path = [tip]
-    while path[-1] != start:
-        path.append(int(before[path[-1]]))
-    return pixels[path[::-1]]
+    if width == 0:
+        return ()
+    box = mask[y0 : y0 + height, x0 : x0 + width]
+    grid = Grid((width, height), max(int(half_width(box) / THIN_PX), 1))
+    small = np.pad(np.where(grid.reduced(box) > MOSTLY, np.uint8(255), np.uint8(0)), 1)
+    depth = np.asarray(cv2.distanceTransform(small, cv2.DIST_L2, 5), dtype=np.float64)
+    thin = thinned(small)
+    thick = float(np.median(depth[thin]))
+    base = grid.coarse(base_pixel - (x0, y0)) + 1
+    arcs = _leading(network(thin, thick), thick)
+    walks = {walk: _unlikeliness(walk, arcs, thick) for walk in _walks(arcs, base, thick)}
+    likely = sorted(walks, key=lambda walk: walks[walk])[:MOST_MIDLINES]
+    plausible = [walk for walk in likely if walks[walk] < walks[likely[0]] + PLAUSIBLE]
+    lines = [_line(walk, base, depth, BEYOND * thick) for walk in plausible]
+    return tuple(grid.fine(line - 1) + np.array([x0, y0]) for line in lines)
 
 
 def half_width(mask: Mask) -> float:
     """The silhouette's typical half width in px: the median depth of the mask's ridge."""
-    depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+    depth = cv2.distanceTransform(np.pad(mask, 1), cv2.DIST_L2, 5)
     ridge = depth[(depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8))) & (depth > 1)]
     return float(np.median(ridge)) if ridge.size else 1.0
 
 
-def _edges(
-    number: NDArray[np.int_], rows: NDArray[np.int_], columns: NDArray[np.int_], step: tuple[int, int]
-) -> tuple[NDArray[np.int_], NDArray[np.int_], FloatArray]:
-    other = number[rows + step[0], columns + step[1]]
-    joined = other >= 0
-    tail = number[rows, columns][joined]
-    return tail, other[joined], np.full(len(tail), float(np.hypot(*step)))
+def _leading(arcs: tuple[Arc, ...], thick: float) -> tuple[Arc, ...]:
+    """The arcs that are more than corners of the silhouette, or the longest when none is; the longest of too many."""
+    by_length = sorted(arcs, key=lambda arc: arc.length_px, reverse=True)
+    long = [arc for arc in by_length if not arc.hangs_free or arc.length_px > SPUR * thick]
+    return tuple((long or by_length)[:MOST_ARCS])
+
+
+def _walks(arcs: tuple[Arc, ...], base: FloatArray, thick: float) -> Iterator[Walk]:
+    """Every walk that begins nearest the base and takes no arc twice."""
+    begun = list(_beginnings(arcs, base, thick))
+    while begun:
+        walk, left = begun.pop()
+        yield walk
+        begun.extend((((*walk, arc)), rest) for arc, rest in _onwards(walk[-1].end, left))
+
+
+def _beginnings(
+    arcs: tuple[Arc, ...], base: FloatArray, thick: float
+) -> Iterator[tuple[Walk, tuple[Arc, ...]]]:
+    """First arcs, each with those that are left: from the place nearest the base both ways, or from a junction there."""
+    nearest = min(arcs, key=lambda arc: float(np.linalg.norm(arc.pixels - base, axis=1).min()))
+    at = int(np.linalg.norm(nearest.pixels - base, axis=1).argmin())
+    left = tuple(arc for arc in arcs if arc is not nearest)
+    ways = [
+        Arc(nearest.pixels[at:], None, nearest.end),
+        Arc(nearest.pixels[at::-1], None, nearest.start),
+    ]
+    far = [way for way in ways if way.length_px > 2 * thick]
+    yield from (((way,), left) for way in far or ways[:1])
+    for way in ways:
+        if way not in far:
+            yield from (((arc,), rest) for arc, rest in _onwards(way.end, left))
+
+
+def _onwards(junction: int | None, left: tuple[Arc, ...]) -> Iterator[tuple[Arc, tuple[Arc, ...]]]:
+    """Arcs that begin at a junction, each with those that are left."""
+    for taken in left:
+        rest = tuple(arc for arc in left if arc is not taken)
+        for arc in (taken, taken.reversed()):
+            if junction is not None and arc.start == junction:
+                yield arc, rest
+
+
+def _unlikeliness(walk: Walk, arcs: tuple[Arc, ...], thick: float) -> float:
+    """What a walk leaves out, in half widths, and how much it turns at junctions."""
+    omitted = sum(arc.length_px for arc in arcs) - sum(arc.length_px for arc in walk)
+    steps = max(round(2 * thick), 2)
+    turns = 0.0
+    for before, after in pairwise(walk):
+        came = before.pixels[-1] - before.pixels[-steps:][0]
+        goes = after.pixels[:steps][-1] - after.pixels[0]
+        size = float(np.linalg.norm(came) * np.linalg.norm(goes))
+        # 0 straight on, 1 at a right angle, 2 back
+        turns += 1.0 - float(came @ goes) / size if size else 1.0
+    return omitted / thick + TURN * turns
+
+
+def _line(walk: Walk, base: FloatArray, depth: FloatArray, reach_px: float) -> FloatArray:
+    """The walk as a smooth line (n, 2) from the base to the silhouette's end, if that is within reach."""
+    path = np.vstack([base, *(arc.pixels for arc in walk)])
+    padded = np.pad(path, ((SMOOTHED // 2, SMOOTHED // 2), (0, 0)), mode="reflect", reflect_type="odd")
+    smooth = np.lib.stride_tricks.sliding_window_view(padded, SMOOTHED, axis=0).mean(axis=2)
+    ahead = smooth[-1] - smooth[-min(2 * SMOOTHED, len(smooth))]
+    onwards = smooth[-1] + np.arange(1.0, reach_px)[:, None] * ahead / max(float(np.linalg.norm(ahead)), 1e-9)
+    columns, rows = np.clip(onwards.round().astype(int), 0, np.array(depth.shape[::-1]) - 1).T
+    outside = depth[rows, columns] == 0
+    return np.vstack([smooth, onwards[: outside.argmax() if outside.any() else 0]])

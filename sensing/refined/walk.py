@@ -16,26 +16,30 @@ EVENNESS_MM2 = 1e-3
 
 def ordered_pairs(gaps_mm: FloatArray) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
     """Indices of the pairs along the cheapest monotone walk from (0, 0) to (n-1, m-1) through gaps (n, m)."""
-    rows, columns = gaps_mm.shape
-    total = _walk_costs(gaps_mm**2 + EVENNESS_MM2)
-    row, column = rows - 1, columns - 1
+    total = _walk_costs(gaps_mm**2 + EVENNESS_MM2).tolist()
+    row, column = len(total) - 1, len(total[0]) - 1
     walk = [(row, column)]
     while row or column:
         moves = ((row - 1, column - 1), (row - 1, column), (row, column - 1))
-        row, column = min((move for move in moves if min(move) >= 0), key=lambda move: total[move])
+        row, column = min((move for move in moves if min(move) >= 0), key=lambda at: total[at[0]][at[1]])
         walk.append((row, column))
     first, second = np.array(walk[::-1]).T
     return first, second
 
 
 def _walk_costs(cost: FloatArray) -> FloatArray:
-    """Accumulated cost of the cheapest walk to every cell, one anti-diagonal at a time."""
+    """Accumulated cost (n, m) of the cheapest walk to every cell, one anti-diagonal at a time.
+
+    Row d of `slanted` holds the cells i + j = d at their i, so that a step back is to one of the two rows before.
+    """
     rows, columns = cost.shape
-    total = np.full((rows + 1, columns + 1), np.inf)
-    total[0, 0] = 0.0
-    for diagonal in range(rows + columns - 1):
-        i = np.arange(max(0, diagonal - columns + 1), min(rows, diagonal + 1))
-        j = diagonal - i
-        before = np.minimum(np.minimum(total[i, j], total[i, j + 1]), total[i + 1, j])
-        total[i + 1, j + 1] = cost[i, j] + before
-    return total[1:, 1:]
+    i, j = np.indices(cost.shape)
+    slanted = np.full((rows + columns - 1, rows), np.inf)
+    slanted[i + j, i] = cost
+    before = np.full(rows + 1, np.inf)
+    before_that = np.full(rows + 1, np.inf)
+    before_that[0] = 0.0
+    for diagonal in range(len(slanted)):
+        slanted[diagonal] += np.minimum(np.minimum(before[:-1], before[1:]), before_that[:-1])
+        before, before_that = np.concatenate([[np.inf], slanted[diagonal]]), before
+    return np.asarray(slanted[i + j, i])
