@@ -23,7 +23,8 @@ test: .venv/dev.stamp ## lint, types, import contracts, tests
 	$(BIN)/pytest
 
 bench: .venv/dev.stamp ## side-by-side measurements; takes minutes
-	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	@for script in $(filter-out benchmarks/poses.py,$(wildcard benchmarks/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	@echo "== benchmarks/degradations"; $(BIN)/python -m benchmarks.degradations --show-silent
 
 golden: .venv/dev.stamp ## replay tests/data/*.mcap into themselves; only when other results are meant
 	@for log in tests/data/*.mcap; do \
