@@ -9,27 +9,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from messaging.checked import FloatArray
 from messaging.shape import Flag
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import epipolar_angles
 from sensing.plain.skeleton import Skeleton
-from sensing.plain.trace import Trace
+from sensing.plain.trace import BASE_RADII, Trace
 from sensing.shape import Evidence
 
 SPACING_MM = 0.2
 """The line is projected in pieces of this length."""
-LARGE_RESIDUAL_PX = 2.0
+LARGE_RESIDUAL_PX, LARGE_RESIDUAL = 1.0, 0.1
+"""A skeleton may be so far from the line: a pixel, and a share of the half width, by which disks make it step aside."""
 LARGE_RAY_GAP_MM = 0.25
 LARGE_BIAS_MM = 0.15
 LARGE_SPREAD_MM = 0.6
 """A point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 LONGEST_STEP = 4.0
 """From one point of the line to the next, in radii."""
-BACK = 1.0
+SHARPEST_TURN = 1.0
+"""In rad, over a piece about as long as the robot's radius: none bends about less than that."""
+BACK = 0.5
 """How far a line may go back along a skeleton, in half widths: noise in the order of points does."""
 LENGTH_TOLERANCE_MM = 1.5
-BASE_TOLERANCE_MM = 0.6
+BASE_TOLERANCE_MM = 0.4
 BASE_STRETCH = 5.0
 """As far from the base, in radii, the robot is a parabola."""
 THICK, THICK_SHARE = 1.45, 0.04
@@ -77,21 +79,32 @@ def agreement(camera: Camera, skeleton: Skeleton, trace: Trace) -> Agreement:
 
 
 def base_offset_mm(trace: Trace) -> float:
-    """How far beside the base a parabola through the skeleton points above it passes; infinite where there are too few."""
+    """How far beside the base a parabola through the skeleton points above it passes that leaves it along +Z.
+
+    Infinite where there are too few points.
+    """
     height = trace.points_mm[:, 2] - trace.insertion_mm
     aside = trace.points_mm[:, :2]
     near = (np.linalg.norm(aside, axis=1) < height) & (height < BASE_STRETCH * trace.radius_mm)
+    near &= height > BASE_RADII * trace.radius_mm
     if np.count_nonzero(near) < 10:
         return float("inf")
-    terms = height[near, None] ** np.arange(3)
+    terms = height[near, None] ** np.array([0, 2])
     return float(np.linalg.norm(np.linalg.lstsq(terms, aside[near], rcond=None)[0][0]))
 
 
-def leaves_order(trace: Trace, half_width_px: float) -> bool:
-    """Whether the line goes back along a skeleton or leaps from one point to another."""
+def loses_its_way(trace: Trace, half_width_px: float) -> bool:
+    """Whether the line goes back along a skeleton, leaps, or turns as no tube can: partners were taken from elsewhere."""
     backwards_px = -np.diff(trace.walk_px, axis=0).min(initial=0.0)
-    longest_mm = np.diff(trace.line.arc_mm).max()
-    return bool(backwards_px > BACK * half_width_px or longest_mm > LONGEST_STEP * trace.radius_mm)
+    pieces = np.diff(trace.line.points_mm, axis=0)
+    lengths = np.linalg.norm(pieces, axis=1)
+    pieces /= np.maximum(lengths, 1e-12)[:, None]
+    least_cosine = np.sum(pieces[1:] * pieces[:-1], axis=1).min()
+    return bool(
+        backwards_px > BACK * half_width_px
+        or lengths.max() > LONGEST_STEP * trace.radius_mm
+        or least_cosine < np.cos(SHARPEST_TURN)
+    )
 
 
 def judge(
@@ -107,13 +120,16 @@ def judge(
     views = {camera.name: agreement(camera, skeletons[camera.name], trace) for camera in cameras}
     length = float(line.arc_mm[-1])
     gap, bias = float(np.abs(trace.gaps_mm).mean()), float(np.median(trace.gaps_mm))
-    spread_mm = np.sqrt(np.linalg.eigvalsh(line.covariance_mm2)[:, -1])
+    spread_mm = np.sqrt(np.linalg.eigvalsh(line.covariance_mm2[:-1])[:, -1])
     half_width_px = min(skeleton.half_width_px for skeleton in skeletons.values())
     found = {
-        Flag.LARGE_RESIDUAL: max(view.residual_px for view in views.values()) > LARGE_RESIDUAL_PX,
+        Flag.LARGE_RESIDUAL: any(
+            view.residual_px > LARGE_RESIDUAL_PX + LARGE_RESIDUAL * skeletons[name].half_width_px
+            for name, view in views.items()
+        ),
         Flag.LARGE_RAY_GAP: gap > LARGE_RAY_GAP_MM,
         Flag.CALIBRATION_OFF: abs(bias) > LARGE_BIAS_MM or base_offset_mm(trace) > BASE_TOLERANCE_MM,
-        Flag.EPIPOLAR_TANGENCY: leaves_order(trace, half_width_px) or spread_mm.max() > LARGE_SPREAD_MM,
+        Flag.EPIPOLAR_TANGENCY: loses_its_way(trace, half_width_px) or spread_mm.max() > LARGE_SPREAD_MM,
         Flag.TIP_UNSEEN: not any(view.shows_end for view in views.values()),
         Flag.LENGTH_MISMATCH: length_mm is not None and abs(length - length_mm) > LENGTH_TOLERANCE_MM,
         Flag.MERGED_SILHOUETTE: max(view.thick for view in views.values()) > THICK_SHARE,

@@ -1,8 +1,8 @@
 """The paper's steps one after another."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -30,6 +30,10 @@ class Plain:
 
     scene: Scene
 
+    def without(self, cameras: Collection[str]) -> Self:
+        """The same method for the scene's other cameras."""
+        return replace(self, scene=self.scene.without(cameras))
+
     def estimate(
         self,
         pictures: Mapping[str, Picture],
@@ -51,7 +55,7 @@ class Plain:
         skeletons = {name: skeleton(mask, bases[name].pixel) for name, mask in masks.items()}
         watch.lap("skeleton")
         pair = best_pair(cameras, np.array([0.0, 0.0, insertion_mm]))
-        trace = traced(pair, skeletons, insertion_mm)
+        trace = traced(pair, skeletons, masks, insertion_mm)
         watch.lap("triangulate")
         rims = [reaches_rim(mask, self.scene.work_areas.get(name)) for name, mask in masks.items()]
         evidence = judge(cameras, skeletons, trace, self.scene.length_mm, cut_off=any(rims))

@@ -23,7 +23,7 @@ def descended(gaps_mm: FloatArray, walked: Skeleton, other: Skeleton) -> list[in
     found: list[int] = []
     for pixel, gaps in enumerate(gaps_mm.tolist()):
         at = found[walked.parent[pixel]] if pixel else 0
-        while (next_at := min(other.neighbours[at], key=gaps.__getitem__, default=at)) != at:
+        while (next_at := min(other.near[at], key=gaps.__getitem__, default=at)) != at:
             if gaps[next_at] >= gaps[at]:
                 break
             at = next_at

@@ -13,15 +13,12 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
+from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
-from sensing.pictures.segmentation import Mask
+from sensing.pictures.segmentation import AXIS_MM, CONTRAST_SHARE, LEAST_DISTANCE, NOISE_FACTOR, Mask
+from sensing.pictures.work_area import work_area_mask
 
-AXIS_MM: FloatArray = np.arange(3.0, 9.0, 0.5)
-"""Heights above the base at which the robot is nearly straight: there its contrast is read, and it is joined there."""
 NOISE_STRIDE = 4
-NOISE_FACTOR = 5.0
-CONTRAST_SHARE = 0.4
-LEAST_LEVELS = 5.0
 SMALLEST_OBJECT_PX = 600
 """Area opening drops what is smaller."""
 CLOSING_PX = 9
@@ -43,7 +40,7 @@ class BaseSight:
         pixels = camera.project(np.column_stack([0 * heights, 0 * heights, heights]))
         along = pixels[-1] - pixels[0]
         length = float(np.linalg.norm(along))
-        inside = ((pixels > -0.5) & (pixels < np.array(camera.size_px) - 0.5)).all(axis=1)
+        inside = np.all((pixels > -0.5) & (pixels < np.array(camera.size_px) - 0.5), axis=1)
         if not inside[1:].any():
             raise RefusedError(f"camera {camera.name}: the robot's base is outside the picture")
         axis = pixels[1:][inside[1:]].round().astype(int)
@@ -62,7 +59,7 @@ def noise_threshold(square: NDArray[np.float32], robot: NDArray[np.int_]) -> flo
     """Equation 1's T in levels: above the backdrop's noise, below the contrast at pixels (n, 2) that are the robot's."""
     noise = float(np.sqrt(np.median(square[::NOISE_STRIDE, ::NOISE_STRIDE])))
     contrast = float(np.sqrt(np.median(square[robot[:, 1], robot[:, 0]])))
-    return max(LEAST_LEVELS, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+    return max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
 
 
 def area_opened(mask: Mask, least_px: int = SMALLEST_OBJECT_PX) -> Mask:
@@ -114,10 +111,9 @@ def silhouette(
     """
     square = colour_distance(picture, backdrop)
     levels = noise_threshold(square, base.axis) if threshold is None else threshold
-    mask = np.asarray(cv2.compare(square, levels**2, cv2.CMP_GT), dtype=np.uint8)
+    mask = np.where(square > levels**2, np.uint8(255), np.uint8(0))
     if work_area is not None:
-        inside = cv2.fillPoly(np.zeros_like(mask), [work_area.round().astype(np.int32)], 255)
-        mask = np.asarray(cv2.bitwise_and(mask, inside), dtype=np.uint8)
+        mask = np.asarray(cv2.bitwise_and(mask, work_area_mask(work_area, Grid(camera.size_px, 1))), np.uint8)
     robot = joined_to_base(without_holder(closed(area_opened(mask)), base, holder_radius_mm), base)
     if not robot.any():
         raise RefusedError(
@@ -132,5 +128,5 @@ def reaches_rim(mask: Mask, work_area: FloatArray | None) -> bool:
     height, width = mask.shape
     corners = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]])
     outlines = [corners] if work_area is None else [corners, work_area.round().astype(np.int32)]
-    rim = cv2.polylines(np.zeros_like(mask), [line.astype(np.int32) for line in outlines], True, 255, 3)  # noqa: FBT003
+    rim = cv2.polylines(np.zeros_like(mask), [line.astype(np.int32) for line in outlines], True, 255, 3)
     return bool(cv2.bitwise_and(mask, rim).any())

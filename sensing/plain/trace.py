@@ -9,13 +9,18 @@ from messaging.checked import FloatArray
 from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import ray_gaps, signed_gaps, triangulate
-from sensing.plain.line import line_through
+from sensing.pictures.segmentation import Mask
+from sensing.plain.line import line_through, to_silhouettes_end
 from sensing.plain.order import ordered
 from sensing.plain.pairing import all_pairs
 from sensing.plain.polyline import Polyline
 from sensing.plain.skeleton import Skeleton
 
 LEAST_POINTS = 5
+BASE_RADII = 2.0
+"""As near to the base, in the robot's radii, the holder's rim spoils the skeleton, and the base's known pose stands in."""
+APART_RADII = 1.0
+"""Points that are nearer to one another, in the robot's radii, are duplicates: their noise would lengthen the line."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,12 @@ class Trace:
     insertion_mm: float
 
 
-def traced(pair: tuple[Camera, Camera], skeletons: Mapping[str, Skeleton], insertion_mm: float) -> Trace:
+def traced(
+    pair: tuple[Camera, Camera],
+    skeletons: Mapping[str, Skeleton],
+    masks: Mapping[str, Mask],
+    insertion_mm: float,
+) -> Trace:
     """Pair, triangulate, order; raises RefusedError when too few points are left for a line.
 
     The cameras are calibrated in the robot frame, so points are in it at once (METHOD step 7).
@@ -55,17 +65,17 @@ def traced(pair: tuple[Camera, Camera], skeletons: Mapping[str, Skeleton], inser
         axis=0,
     )
     radius_mm = float(np.median(half_width_mm))
-    # the skeleton is the holder's as much as the robot's as near to the base as that
     base = np.array([0.0, 0.0, insertion_mm])
-    far = np.flatnonzero(np.linalg.norm(points - base, axis=1) > radius_mm)
-    taken = far[ordered(points[far], radius_mm)] if far.size else far
+    far = np.flatnonzero(np.linalg.norm(points - base, axis=1) > BASE_RADII * radius_mm)
+    taken = far[ordered(points[far], APART_RADII * radius_mm)] if far.size else far
     if len(taken) < LEAST_POINTS:
         raise RefusedError(
             f"cameras {first.name} and {second.name} share only {len(taken)} points of a skeleton; "
             f"{LEAST_POINTS} are needed"
         )
+    end_mm = to_silhouettes_end(points[taken], radius_mm, pair, (masks[first.name], masks[second.name]))
     return Trace(
-        line=line_through(points[taken], insertion_mm, float(half_width_mm[taken[-1]]), pair),
+        line=line_through(points[taken], insertion_mm, end_mm, pair),
         pair=pair,
         points_mm=points,
         gaps_mm=signed_gaps(first, one, second, other),
