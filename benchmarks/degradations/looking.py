@@ -31,7 +31,7 @@ def in_words(outcome: Outcome) -> str:
 def draw(folder: Path, level: Level, seen: Seen) -> None:
     """Into a folder, which is made: coded pictures, the calibration that sensing had, and what it found in each picture.
 
-    The truth is green, the shape red, with a mark at each nodal point.
+    The truth is green and broad, the shape red and fine, with a mark at each nodal point.
     """
     folder.mkdir(parents=True, exist_ok=True)
     believed = level.believed(level.bench.rig)
@@ -52,15 +52,15 @@ def _drawn(picture: Image, true: CameraCalibration, taken_for: CameraCalibration
     large = np.asarray(
         cv2.resize(picture, None, fx=FINER, fy=FINER, interpolation=cv2.INTER_NEAREST), np.uint8
     )
-    lines = [(TRUTH, project(true, seen.truth_mm), project(true, true_nodes(seen.truth_mm)))]
+    lines = [(TRUTH, 3, project(true, seen.truth_mm), project(true, true_nodes(seen.truth_mm)))]
     if seen.shape is not None:
         found_mm, nodes_mm = seen.shape.centreline.points_mm, seen.shape.nodes(NODES_MM)[0]
-        lines.append((FOUND, project(taken_for, found_mm), project(taken_for, nodes_mm)))
-    for colour, line, nodes in lines:
-        cv2.polylines(large, [_fine(line)], False, colour, 1, cv2.LINE_AA, shift=4)
+        lines.append((FOUND, 1, project(taken_for, found_mm), project(taken_for, nodes_mm)))
+    for colour, width, line, nodes in lines:
+        cv2.polylines(large, [_fine(line)], False, colour, width, cv2.LINE_AA, shift=4)
         for node in _fine(nodes):
-            cv2.circle(large, tuple(node.tolist()), 16 * 4, colour, 1, cv2.LINE_AA, shift=4)
-    shown = np.vstack([line for _, line, _ in lines])
+            cv2.circle(large, tuple(node.tolist()), 16 * 4, colour, width, cv2.LINE_AA, shift=4)
+    shown = np.vstack([line for _, _, line, _ in lines])
     size = np.array(picture.shape[1::-1])
     left, top = (FINER * np.clip(shown.min(axis=0) - MARGIN_PX, 0, size - 2 * MARGIN_PX)).astype(int)
     right, bottom = (FINER * np.clip(shown.max(axis=0) + MARGIN_PX, 2 * MARGIN_PX, size)).astype(int)

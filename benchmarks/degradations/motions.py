@@ -48,13 +48,14 @@ def towards(azimuth_rad: float, first_rad: float, second_rad: float) -> Mover:
 
 
 def pointing_at(camera: CameraCalibration, off_rad: float) -> Mover:
-    """The second section is straight and points at a camera, up to this angle."""
+    """The second section is straight and points above a camera by this angle."""
     eye_mm = eye(camera)
     azimuth = float(np.arctan2(eye_mm[1], eye_mm[0]))
     bends = np.linspace(0.8, 2.2, 281)
     tips = [centreline(bent((bend, 0.0), (azimuth, 0.0)))[[-2, -1]] for bend in bends]
-    aim = [_angle(tip - before, eye_mm - tip) for before, tip in tips]
-    return _about(float(bends[np.argmin(aim)]) - off_rad, azimuth)
+    aim = np.array([_angle(tip - before, eye_mm - tip) for before, tip in tips])
+    above = np.argmin(np.abs(aim[: np.argmin(aim) + 1] - off_rad))
+    return _about(float(bends[above]), azimuth)
 
 
 def along_baseline(one: CameraCalibration, other: CameraCalibration, off_rad: float) -> Mover:

@@ -64,6 +64,15 @@ def sized(width_px: int, height_px: int) -> Rig:
     return tuple(rig)
 
 
+def smaller(camera: CameraCalibration, factor: int) -> CameraCalibration:
+    """The same camera with fewer, larger pixels; integer coordinates stay pixel centres."""
+    intrinsics = camera.intrinsics.copy()
+    intrinsics[:2] /= factor
+    intrinsics[:2, 2] += 0.5 / factor - 0.5
+    size = camera.width_px // factor, camera.height_px // factor
+    return _changed(camera, intrinsics=intrinsics, size_px=size)
+
+
 def aside(right_px: float, down_px: float, cameras: tuple[str, ...] = ("left", "right")) -> Rig:
     """The reference cameras with sensors moved so that what they see lies that much further right and down."""
     return tuple(
