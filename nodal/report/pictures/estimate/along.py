@@ -85,7 +85,7 @@ def _offsets(axes: Any, subject: Subject) -> None:
         rms_px = subject.shape.evidence.residual_px[name]
         axes.plot(
             agreement.arc_mm,
-            agreement.offset_px,
+            np.clip(agreement.offset_px, -limit_px, limit_px),
             color=colour,
             linewidth=0.8,
             label=f"{name} ({rms_px:.2f} RMS)",

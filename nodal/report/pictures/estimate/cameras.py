@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nodal.errors import ReportError
-from nodal.report.pictures.estimate.labels import label_places
+from nodal.report.pictures.estimate.labels import alignment, label_places
 from nodal.report.pictures.estimate.look import SEEN, SMALL_PT, caption, halo, heading, page
 from nodal.report.pictures.estimate.regions import Region, magnification
 from nodal.report.pictures.estimate.subject import Subject
@@ -30,8 +30,8 @@ FRAME_IN = 0.75
 SILHOUETTE_GREY = 105
 BAR_MM = 10.0
 HALF_TUBE_MM = 3.5
-NAME_PT = 6.0
-"""From the robot or an ellipse to the middle of a name."""
+NAME_PT = 2.0
+"""From the robot or an ellipse to a name."""
 
 
 def draw_cameras(path: Path, subject: Subject, written: list[Path]) -> None:
@@ -132,15 +132,15 @@ def _draw_nodes(axes: Any, subject: Subject, view: View, ellipses: Sequence[Regi
         axes.fill(*outline, color=NODE, alpha=0.3, linewidth=0)
         axes.plot(*outline, color=NODE, linewidth=0.8, path_effects=halo(1.4))
         axes.plot(*ellipse.centre, "o", color="white", markersize=1.3, markeredgewidth=0)
+        rightwards, downwards = place - ellipse.centre
         axes.text(
             *place,
             name,
-            ha="center",
-            va="center",
             fontsize=SMALL_PT,
             color=INK,
             path_effects=halo(),
             clip_on=True,
+            **alignment(rightwards, -downwards),
         )
 
 

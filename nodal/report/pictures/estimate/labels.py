@@ -23,6 +23,16 @@ def label_places(line: Array, points: Array, away: Array, low: Array, high: Arra
     return np.array(places).reshape(-1, 2)
 
 
+def alignment(rightwards: float, upwards: float) -> dict[str, str]:
+    """How a name is to stand at its place so that it lies on the far side of it, for matplotlib."""
+    steep = abs(upwards) > 2 * abs(rightwards)
+    level = abs(rightwards) > 2 * abs(upwards)
+    return {
+        "ha": "center" if steep else "left" if rightwards > 0 else "right",
+        "va": "center" if level else "bottom" if upwards > 0 else "top",
+    }
+
+
 def _room(place: Array, line: Array, taken: list[Array], low: Array, high: Array) -> float:
     """The distance to whatever is nearest; negative outside of the frame."""
     to_line = float(np.linalg.norm(line - place, axis=1).min())

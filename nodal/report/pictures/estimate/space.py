@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nodal.report.pictures.estimate.labels import label_places
+from nodal.report.pictures.estimate.labels import alignment, label_places
 from nodal.report.pictures.estimate.look import SMALL_PT, caption, heading, page
 from nodal.report.pictures.estimate.regions import magnification
 from nodal.report.pictures.estimate.subject import Subject
@@ -22,7 +22,8 @@ ROBOT, BENCH, GAPS = (0.1, 0.09, 0.45, 0.84), (0.57, 0.09, 0.41, 0.84), (0.07, 0
 """Where they stand on the page: left, bottom, width, height."""
 ROOM = 0.15
 """The largest ellipsoid's semi-axis, as a share of the robot's largest extent."""
-NAME_AWAY = 0.055
+NAME_PT = SMALL_PT + 0.5
+NAME_AWAY = 0.03
 MOST_GAPS = 97
 """Per cent of the gaps that colours tell apart: a single wild pair would leave one colour for all others."""
 LEAST_SHARE = 0.4
@@ -32,7 +33,7 @@ FRUSTUM = 0.3
 BEHIND = 0.14
 """How far behind a camera its name stands, as a share of its distance from the robot."""
 STRAIGHT_MM = 3.0
-MOST_NUMBERS = 5
+MOST_NUMBERS = 4
 """On the longest axis."""
 BOX_NORM, SIDE_SHARE, FILLED = 1.83, 0.59, 0.82
 """How matplotlib scales a box: to a diagonal of BOX_NORM, of which one takes SIDE_SHARE of the shorter side of its place."""
@@ -105,7 +106,7 @@ def _draw_robot(figure: Any, subject: Subject) -> int:
     nodes = subject.node_mm @ sight.plane.T
     places = label_places(seen.T, nodes, away, seen.min(axis=1) - extent_mm, seen.max(axis=1) + extent_mm)
     for name, node_mm, aside in zip(subject.nodes.names, subject.node_mm, places - nodes, strict=True):
-        axes.text(*(node_mm + aside @ sight.plane), name, fontsize=SMALL_PT + 0.5, ha="center", va="center")
+        axes.text(*(node_mm + aside @ sight.plane), name, fontsize=NAME_PT, **alignment(*aside))
     axes.set_title("Robot", loc="center", y=0.97)
     return factor
 
@@ -116,7 +117,8 @@ def _draw_bench(figure: Any, subject: Subject) -> None:
     pyramids = {camera.name: _pyramid(camera, middle) for camera in subject.cameras}
     towards = np.mean([pyramid[0] for pyramid in pyramids.values()], axis=0) - middle
     sight = Sight(float(np.degrees(np.arctan2(towards[1], towards[0]))) + 55, 32)
-    axes = _axes(figure, BENCH, np.vstack([line, *pyramids.values()]), sight)
+    names = {name: pyramid[0] + BEHIND * (pyramid[0] - middle) for name, pyramid in pyramids.items()}
+    axes = _axes(figure, BENCH, np.vstack([line, *pyramids.values(), *names.values()]), sight)
     axes.plot(*line.T, color=MEASURED, linewidth=1.6)
     for colour, (name, pyramid) in zip(PALETTE * len(pyramids), pyramids.items(), strict=False):
         centre, corners = pyramid[0], pyramid[1:]
@@ -124,8 +126,7 @@ def _draw_bench(figure: Any, subject: Subject) -> None:
         for corner in corners:
             axes.plot(*np.vstack([centre, corner]).T, color=colour, linewidth=0.7)
         axes.plot(*np.vstack([centre, middle]).T, color=colour, linewidth=0.6, linestyle=(0, (3, 2)))
-        behind = centre + BEHIND * (centre - middle)
-        axes.text(*behind, name, fontsize=SMALL_PT + 0.5, color=colour, ha="center", va="center")
+        axes.text(*names[name], name, fontsize=NAME_PT, color=colour, ha="center", va="center")
     axes.set_title("Robot and cameras", loc="center", y=0.97)
 
 
@@ -161,7 +162,7 @@ def _axes(figure: Any, place: tuple[float, float, float, float], points_mm: Arra
     for axis, share in zip((axes.xaxis, axes.yaxis, axes.zaxis), half / half.max(), strict=True):
         axis.get_major_locator().set_params(nbins=max(round(MOST_NUMBERS * float(share)), 2))
         axis.labelpad = -5
-        axis.label.set(fontsize=SMALL_PT + 0.5, color=INK)
+        axis.label.set(fontsize=NAME_PT, color=INK)
         axis.set_pane_color((1, 1, 1, 0))
         axis.line.set_color(DESIRED)
     return axes
