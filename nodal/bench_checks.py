@@ -25,6 +25,17 @@ def _cameras(settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) ->
     for name in settings.sensing.background:
         if name not in settings.cameras:
             yield f"sensing.background.{name} is not one of the cameras {', '.join(settings.cameras)}"
+    if settings.sensing.work_area:
+        yield from _work_areas(settings, tuple(rig[name] for name in settings.cameras if name in rig))
+
+
+def _work_areas(settings: "BenchSettings", calibrations: tuple[CameraCalibration, ...]) -> Iterator[str]:
+    import numpy as np  # noqa: PLC0415  this and OpenCV are slow to import, and most benches have no work area
+
+    from sensing.pictures.work_area import work_area_faults  # noqa: PLC0415
+
+    areas = {name: np.array(corners) for name, corners in settings.sensing.work_area.items()}
+    yield from (f"sensing.{fault}" for fault in work_area_faults(areas, calibrations))
 
 
 def _nodal_points(settings: "BenchSettings") -> Iterator[str]:

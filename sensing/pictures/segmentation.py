@@ -100,7 +100,7 @@ def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limi
         _drop_shadows(mask, small[window], backdrop.small[window], at_base, noise)
     mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
     whole = np.zeros(small.shape[:2], dtype=np.uint8)
-    whole[window] = _component_at_base(name, mask, at_base, SMALLEST_ROBOT_MM2 * base.px_per_mm**2)
+    whole[window] = _component_at_base(name, mask, at_base, base.px_per_mm**2)
     return whole
 
 
@@ -142,7 +142,7 @@ def _drop_holder(mask: Mask, pixel: FloatArray, base: BaseView, radius_mm: float
     cv2.fillConvexPoly(mask, np.rint(strip * 16).astype(np.int32), 0, shift=4)
 
 
-def _component_at_base(name: str, mask: Mask, at_base: Places, smallest_px: float) -> Mask:
+def _component_at_base(name: str, mask: Mask, at_base: Places, px_per_mm2: float) -> Mask:
     """What hangs together with the robot's beginning, small holes (glare, dust) filled."""
     labels = np.asarray(cv2.connectedComponents(mask, connectivity=8)[1])
     touched = labels[at_base]
@@ -150,17 +150,17 @@ def _component_at_base(name: str, mask: Mask, at_base: Places, smallest_px: floa
     if touched.size == 0:
         raise RefusedError(f"camera {name}: no robot is joined to its base")
     robot: Mask = (labels == np.bincount(touched).argmax()).view(np.uint8) * np.uint8(255)
-    area = int(np.count_nonzero(robot))
-    if area < smallest_px:
+    area_mm2 = np.count_nonzero(robot) / px_per_mm2
+    if area_mm2 < SMALLEST_ROBOT_MM2:
         raise RefusedError(
             f"camera {name}: what stands at the base is too small for a robot "
-            f"({area} px in detection, {smallest_px:.0f} at least)"
+            f"({area_mm2:.1f} mm2; at least {SMALLEST_ROBOT_MM2:g} mm2)"
         )
     x, y, width, height = cv2.boundingRect(robot)
     part = robot[y : y + height, x : x + width]
     around = np.pad(255 - part, 1, constant_values=255)
     gaps = np.asarray(cv2.connectedComponents(around, connectivity=4)[1])
-    small = np.bincount(gaps.ravel()) < smallest_px
+    small = np.bincount(gaps.ravel()) < SMALLEST_ROBOT_MM2 * px_per_mm2
     small[gaps[0, 0]] = False
     part[small[gaps[1:-1, 1:-1]]] = 255
     return robot

@@ -53,9 +53,13 @@ def midlines(mask: Mask, base_pixel: FloatArray) -> tuple[FloatArray, ...]:
     base = grid.coarse(base_pixel - (x0, y0)) + 1
     arcs = _leading(network(thin, thick), thick)
     walks = {walk: _unlikeliness(walk, arcs, thick) for walk in _walks(arcs, base, thick)}
-    likely = sorted(walks, key=lambda walk: walks[walk])[:MOST_MIDLINES]
-    plausible = [walk for walk in likely if walks[walk] < walks[likely[0]] + PLAUSIBLE]
-    lines = [_line(walk, base, depth, BEYOND * thick) for walk in plausible]
+    chosen: list[Walk] = []
+    for walk in sorted(walks, key=lambda walk: walks[walk]):
+        if chosen and (len(chosen) == MOST_MIDLINES or walks[walk] > walks[chosen[0]] + PLAUSIBLE):
+            break
+        if not any(_alike(walk, other, thick) for other in chosen):
+            chosen.append(walk)
+    lines = [_line(walk, base, depth, BEYOND * thick) for walk in chosen]
     return tuple(grid.fine(line - 1) + np.array([x0, y0]) for line in lines)
 
 
@@ -109,9 +113,22 @@ def _onwards(junction: int | None, left: tuple[Arc, ...]) -> Iterator[tuple[Arc,
                 yield arc, rest
 
 
+def _alike(walk: Walk, other: Walk, thick: float) -> bool:
+    """Whether one of two walks merely goes on a little where the other ends."""
+    shared = all(
+        np.array_equal(one.pixels, another.pixels) for one, another in zip(walk, other, strict=False)
+    )
+    return shared and abs(_length(walk) - _length(other)) < SPUR * thick
+
+
+def _length(walk: Walk) -> float:
+    return sum(arc.length_px for arc in walk)
+
+
 def _unlikeliness(walk: Walk, arcs: tuple[Arc, ...], thick: float) -> float:
-    """What a walk leaves out, in half widths, and how much it turns at junctions."""
-    omitted = sum(arc.length_px for arc in arcs) - sum(arc.length_px for arc in walk)
+    """What a walk leaves out, in half widths, and how much it turns at junctions, each as long as the tube is thick."""
+    missed = _junctions(arcs) - _junctions(walk)
+    omitted = _length(arcs) - _length(walk) + 2 * thick * len(missed)
     steps = max(round(2 * thick), 2)
     turns = 0.0
     for before, after in pairwise(walk):
@@ -121,6 +138,10 @@ def _unlikeliness(walk: Walk, arcs: tuple[Arc, ...], thick: float) -> float:
         # 0 straight on, 1 at a right angle, 2 back
         turns += 1.0 - float(came @ goes) / size if size else 1.0
     return omitted / thick + TURN * turns
+
+
+def _junctions(walk: Walk) -> set[int]:
+    return {end for arc in walk for end in (arc.start, arc.end) if end is not None}
 
 
 def _line(walk: Walk, base: FloatArray, depth: FloatArray, reach_px: float) -> FloatArray:

@@ -6,6 +6,7 @@ junction.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -34,7 +35,7 @@ class Arc:
         """Whether one of its ends is at no junction while the other is."""
         return (self.start is None) != (self.end is None)
 
-    @property
+    @cached_property
     def length_px(self) -> float:
         """Its length."""
         return float(np.linalg.norm(np.diff(self.pixels, axis=0), axis=1).sum())

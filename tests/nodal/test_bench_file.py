@@ -143,6 +143,18 @@ def test_a_missing_key_is_named(tmp_path, table, key):
             "sensing.background.top is not one of the cameras left, right",
         ),
         (
+            lambda table: table["sensing"].update(work_area={"top": [[0, 0], [9, 0], [9, 9]]}),
+            "sensing.work_area.top is not one of the cameras left, right",
+        ),
+        (
+            lambda table: table["sensing"].update(work_area={"left": [[0, 0], [1930, 0], [9, 900]]}),
+            "sensing.work_area.left has a corner [1930, 0] outside of the picture, which is 1920x1080 px",
+        ),
+        (
+            lambda table: table["sensing"].update(work_area={"right": [[0, 0], [99, 0], [99, 99]]}),
+            "sensing.work_area.right does not contain the robot's base, which the camera sees at [",
+        ),
+        (
             lambda table: table["sensing"].update(background={"left": "nowhere.jpg"}),
             "nowhere.jpg: cannot be read: No such file",
         ),

@@ -8,8 +8,6 @@ from hypothesis import strategies as st
 from drivers.simulated.cameras.rig import default_cameras
 from messaging.frames import CameraCalibration
 from sensing.geometry.camera import Camera
-from sensing.pictures.backdrop import reduced
-from sensing.pictures.segmentation import full_pixels, small_pixels
 from sensing.refined.edges import LINEAR, contrast
 
 RIG = default_cameras()
@@ -96,11 +94,3 @@ def test_integer_coordinates_are_pixel_centres():
     assert seen[0] == pytest.approx(full)
     assert 0 < seen[1] < full
     assert seen[2] == 0
-
-
-def test_detection_pixels_count_from_centres_too():
-    picture = np.zeros((12, 16, 3), np.uint8)
-    picture[4:6, 6:8] = 255
-    assert np.argwhere(reduced(picture)[..., 0]).tolist() == [[2, 3]]
-    assert small_pixels(np.array([6.5, 4.5])).tolist() == [3.0, 2.0]
-    assert full_pixels(np.array([3.0, 2.0])).tolist() == [6.5, 4.5]
