@@ -1,7 +1,9 @@
 """What a JPEG says of itself before it is decoded (ITU-T T.81, annex B), and where its restart markers lie."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import cycle
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,7 @@ START_OF_SCAN, RESTART_INTERVAL, FIRST_RESTART = 0xDA, 0xDD, 0xD0
 BASELINE, EXTENDED, PROGRESSIVE = 0xC0, 0xC1, 0xC2
 FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 """Markers that begin a frame; the three left out are tables and a reserved one."""
+RESTARTS = tuple(bytes((0xFF, FIRST_RESTART + number)) for number in range(8))
 BLOCK_PX = 8
 LEVELS_BITS = 8
 
@@ -80,17 +83,17 @@ class Jpeg:
         ends = at[: count + 1] if count < len(at) else np.append(at, len(codes))
         return np.insert(ends[:-1] + 2, 0, self.scan_at), ends
 
-    def stretch(self, number: int) -> bytes:
-        """The data between two restart markers."""
-        begins, ends = self.stretches
-        return self.data[begins[number] : ends[number]]
+    def parts(self, numbers: Sequence[int]) -> list[bytes]:
+        """The data of these stretches."""
+        begins, ends = (places[list(numbers)].tolist() for places in self.stretches)
+        return [self.data[begin:end] for begin, end in zip(begins, ends, strict=True)]
 
     def resized(self, width: int, height: int, stretches: list[bytes]) -> "Jpeg":
         """A JPEG of this header, another size, and these stretches with restart markers between."""
         size = height.to_bytes(2, "big") + width.to_bytes(2, "big")
         parts = [self.data[: self.size_at], size, self.data[self.size_at + 4 : self.scan_at], stretches[0]]
-        for number, stretch in enumerate(stretches[1:]):
-            parts += bytes((0xFF, FIRST_RESTART + number % 8)), stretch
+        for marker, stretch in zip(cycle(RESTARTS), stretches[1:], strict=False):
+            parts += marker, stretch
         return replace(self, data=b"".join((*parts, END)), width=width, height=height)
 
 

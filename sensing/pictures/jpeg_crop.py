@@ -23,9 +23,9 @@ def crop(jpeg: Jpeg, box: Box) -> tuple[Jpeg, Box] | None:
         return None
     left, top = first_column * wide, first_row * high
     right, bottom = min((last_column + 1) * wide, jpeg.width), min((last_row + 1) * high, jpeg.height)
-    stretches = [
-        jpeg.stretch(row * columns + column)
+    covering = [
+        row * columns + column
         for row in range(first_row, last_row + 1)
         for column in range(first_column, last_column + 1)
     ]
-    return jpeg.resized(right - left, bottom - top, stretches), (left, top, right, bottom)
+    return jpeg.resized(right - left, bottom - top, jpeg.parts(covering)), (left, top, right, bottom)

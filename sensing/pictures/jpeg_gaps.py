@@ -35,7 +35,7 @@ def data_left(jpeg: Jpeg, factor: int, decode: Callable[[bytes], Image | None]) 
     taller_px = (jpeg.rows + 2) * jpeg.unit_px[1]
     if jpeg.interval or taller_px > LARGEST_PX or jpeg.data.find(UNFILLED, jpeg.scan_at) < 0:
         return False
-    picture = decode(jpeg.resized(jpeg.width, taller_px, [jpeg.stretch(0)]).data)
+    picture = decode(jpeg.resized(jpeg.width, taller_px, jpeg.parts([0])).data)
     # the bits that fill the last byte make one more unit
     return picture is None or bool(
         (picture[(jpeg.rows + 1) * jpeg.unit_px[1] // factor :] != MISSING_LEVEL).any()
@@ -69,7 +69,7 @@ def _inner(start: int, size: int, end: int) -> slice:
 def _longer(jpeg: Jpeg) -> bytes:
     """With the data of each stretch once more behind them."""
     if jpeg.simple:
-        twice = [2 * jpeg.stretch(number) for number in range(jpeg.restarts + 1)]
+        twice = [2 * part for part in jpeg.parts(range(jpeg.restarts + 1))]
         return jpeg.resized(jpeg.width, jpeg.height, twice).data
     last_scan = jpeg.data.rfind(bytes((0xFF, START_OF_SCAN)))
     begin = last_scan + 2 + int.from_bytes(jpeg.data[last_scan + 2 : last_scan + 4], "big")
