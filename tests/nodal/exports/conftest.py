@@ -94,9 +94,9 @@ def shape_of(number):
         ray_gap_mm=0.01,
         ray_bias_mm=0.0,
         residual_px=0.1,
-        camera_names=(),
-        camera_residual_px=[],
-        visible_mm=[],
+        camera_names=("left", "right") if known else (),
+        camera_residual_px=[0.1, 0.25] if known else [],
+        visible_mm=[80.0, 61.5] if known else [],
         stage_names=("decode", "refine"),
         stage_s=[0.004, 0.006],
     )

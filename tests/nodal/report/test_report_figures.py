@@ -14,7 +14,10 @@ from messaging.shape import Flag
 from nodal import targets
 from nodal.errors import ReportError
 from nodal.report.bench_run import Accepted, BenchRun, FrameSets
+from nodal.report.figures.sensing import sensing
+from nodal.report.findings import Findings
 from nodal.report.open_loop import open_loop_path, solved
+from nodal.report.run_charts import run_charts
 from nodal.report.summary import CIRCLE, HOLD, summary_of
 from nodal.report.tracking import true_tracking_of
 from nodal.report.truth import TrueShapes
@@ -206,3 +209,62 @@ def test_open_loop_misses_a_real_robot_and_hardly_an_ideal_one(kinematics, build
 
     rms_mm = np.sqrt(((reached - desired) ** 2).sum(axis=-1).mean())
     assert low_mm <= rms_mm <= high_mm
+
+
+@pytest.fixture
+def told(run, said):
+    """The same run with what each camera told; every other claim is too bold by half, and one frame set lost a camera."""
+    for index, shape in enumerate(run.shapes):
+        sigma_mm = 0.1 if index % 2 else 0.05
+        names = ("left", "right") if index != 3 else ("left",)
+        run.shapes[index] = dataclasses.replace(
+            shape,
+            node_covariance_mm2=np.tile(sigma_mm**2 * np.eye(3), (2, 1, 1)),
+            epipolar_angle_rad=np.radians(np.linspace(80, 20 + index, len(shape.arc_mm))),
+            known_length_mm=79.5,
+            ray_bias_mm=-0.01,
+            camera_names=names,
+            camera_residual_px=np.array([0.1, 0.3])[: len(names)],
+            visible_mm=np.array([78.0, 60.0])[: len(names)],
+            flags=(Flag.HIDDEN.value,) if index in (4, 5) else (),
+        )
+    return Findings(run)
+
+
+def values(chapters, chapter, group):
+    [found] = [
+        one for known in chapters if known.key == chapter for one in known.groups if one.title == group
+    ]
+    return {figure.key: figure.value for figure in found.figures}
+
+
+def test_what_sensing_knows_about_itself(told):
+    chapters = sensing(told)
+
+    assert values(chapters, "truth", "all nodal points")["inside_percent"] == pytest.approx(50)
+    assert values(chapters, "truth", "nodal point tip")["inside_percent"] == pytest.approx(50)
+    assert values(chapters, "quality", "smallest epipolar angle") == pytest.approx(
+        {"min_deg": 20.0, "mean_deg": 49.5, "max_deg": 79.0}
+    )
+    assert values(chapters, "quality", "measured length less the known one")["mean_mm"] == pytest.approx(0.5)
+    assert values(chapters, "quality", "bias of the ray gap")["mean_mm"] == pytest.approx(-0.01)
+    assert values(chapters, "cameras", "camera left") == {
+        "estimates": 60,
+        "residual_mean_px": 0.1,
+        "residual_p95_px": 0.1,
+        "visible_mean_mm": 78.0,
+        "visible_min_mm": 78.0,
+    }
+    assert values(chapters, "cameras", "camera right")["estimates"] == 59
+
+
+def test_charts_show_each_camera_and_each_flag(told):
+    charts = {chart.key: chart for chapter in run_charts(told).values() for chart in chapter}
+
+    assert [series.label for series in charts["camera-residual"].series] == ["left", "right"]
+    assert np.isnan(charts["visible"].series[1].y[3])
+    assert charts["flags"].rows == ("hidden",)
+    assert len(charts["flags"].series[0].x) == 2
+    assert [series.label for series in charts["length"].series] == ["measured", "known"]
+    assert [series.label for series in charts["ray-gap"].series] == ["mean", "bias"]
+    assert charts["epipolar"].series[0].y[:2] == pytest.approx([20, 21])
