@@ -73,7 +73,7 @@ def half_width(mask: Mask) -> float:
 def _leading(arcs: tuple[Arc, ...], thick: float) -> tuple[Arc, ...]:
     """The arcs that are more than corners of the silhouette, or the longest when none is; the longest of too many."""
     by_length = sorted(arcs, key=lambda arc: arc.length_px, reverse=True)
-    long = [arc for arc in by_length if not arc.hangs_free or arc.length_px > SPUR * thick]
+    long = [arc for arc in by_length if not arc.leads_nowhere or arc.length_px > SPUR * thick]
     return tuple((long or by_length)[:MOST_ARCS])
 
 
@@ -97,10 +97,11 @@ def _beginnings(
         Arc(nearest.pixels[at:], None, nearest.end),
         Arc(nearest.pixels[at::-1], None, nearest.start),
     ]
-    far = [way for way in ways if way.length_px > 2 * thick]
-    yield from (((way,), left) for way in far or ways[:1])
+    long = max(arc.length_px for arc in ways)
+    taken = [way for way in ways if way.length_px >= min(2 * thick, long)]
+    yield from (((way,), left) for way in taken)
     for way in ways:
-        if way not in far:
+        if way not in taken:
             yield from (((arc,), rest) for arc, rest in _onwards(way.end, left))
 
 

@@ -31,9 +31,9 @@ class Arc:
         return Arc(self.pixels[::-1], self.end, self.start)
 
     @property
-    def hangs_free(self) -> bool:
-        """Whether one of its ends is at no junction while the other is."""
-        return (self.start is None) != (self.end is None)
+    def leads_nowhere(self) -> bool:
+        """Whether it begins at a junction, and ends freely or at the same one."""
+        return self.start != self.end if None in (self.start, self.end) else self.start == self.end
 
     @cached_property
     def length_px(self) -> float:
