@@ -39,6 +39,8 @@ THICK, THICK_SHARE = 1.45, 0.04
 END_REACH = 1.3
 """A skeleton ends one half width before the silhouette does: what is this near to it, in half widths, is seen."""
 LEAST_SEEN = 0.9
+RIM_RADII = 3.0
+"""As far from the base, in the robot's radii, a skeleton may have branches into the holder's rim."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,17 @@ class Agreement:
 
 
 def agreement(camera: Camera, skeleton: Skeleton, trace: Trace) -> Agreement:
-    """Compare the skeleton with the line's projection."""
+    """Compare the skeleton with the line's projection, but for where the holder's rim spoils the skeleton."""
     length = float(trace.line.arc_mm[-1])
     places, _ = trace.line.at(np.linspace(0.0, length, int(length / SPACING_MM) + 2))
-    pixels = camera.project(places)
+    pixels, scale = camera.project(places), camera.px_per_mm(places)
     apart = skeleton.pixels[:, None] - pixels[None]
     distance = np.linalg.norm(apart, axis=2)
+    seen = distance.min(axis=0) < END_REACH * skeleton.half_width_px
+    own = distance[:, 0] > RIM_RADII * trace.radius_mm * scale[0]
+    if not own.any():
+        return Agreement(float(distance.min(axis=1).max()), float(seen.mean() * length), bool(seen[-1]), 0.0)
+    apart, distance, depth_px = apart[own], distance[own], skeleton.depth_px[own]
     rows, nearest = np.arange(len(apart)), distance.argmin(axis=1)
     along = np.gradient(pixels, axis=0)[nearest]
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
@@ -68,13 +75,11 @@ def agreement(camera: Camera, skeleton: Skeleton, trace: Trace) -> Agreement:
     # beyond the line's ends there is no beside
     inner = (nearest > 0) & (nearest < len(places) - 1)
     off = np.where(inner, across, distance[rows, nearest])
-    seen = distance.min(axis=0) < END_REACH * skeleton.half_width_px
-    thickness_mm = skeleton.depth_px / camera.px_per_mm(places)[nearest]
     return Agreement(
         residual_px=float(np.sqrt(np.mean(off**2))),
         visible_mm=float(seen.mean() * length),
         shows_end=bool(seen[-1]),
-        thick=float(np.mean(thickness_mm > THICK * trace.radius_mm)),
+        thick=float(np.mean(depth_px / scale[nearest] > THICK * trace.radius_mm)),
     )
 
 

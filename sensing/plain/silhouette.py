@@ -15,13 +15,21 @@ from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
 from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
-from sensing.pictures.segmentation import AXIS_MM, CONTRAST_SHARE, LEAST_DISTANCE, NOISE_FACTOR, Mask
+from sensing.pictures.segmentation import (
+    AXIS_MM,
+    CONTRAST_SHARE,
+    LEAST_DISTANCE,
+    NOISE_FACTOR,
+    SMALLEST_ROBOT_MM2,
+    Mask,
+)
 from sensing.pictures.work_area import work_area_mask
 
 NOISE_STRIDE = 4
-SMALLEST_OBJECT_PX = 600
-"""Area opening drops what is smaller."""
-CLOSING_PX = 9
+CLOSING_MM = 1.2
+"""Closing fills gaps that are narrower."""
+LARGEST_SHARE = 0.5
+"""Where more of a picture stands out, backdrop or threshold are wrong."""
 
 
 @dataclass(frozen=True)
@@ -55,14 +63,7 @@ def colour_distance(picture: Image, backdrop: Image) -> NDArray[np.float32]:
     return square
 
 
-def noise_threshold(square: NDArray[np.float32], robot: NDArray[np.int_]) -> float:
-    """Equation 1's T in levels: above the backdrop's noise, below the contrast at pixels (n, 2) that are the robot's."""
-    noise = float(np.sqrt(np.median(square[::NOISE_STRIDE, ::NOISE_STRIDE])))
-    contrast = float(np.sqrt(np.median(square[robot[:, 1], robot[:, 0]])))
-    return max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
-
-
-def area_opened(mask: Mask, least_px: int = SMALLEST_OBJECT_PX) -> Mask:
+def area_opened(mask: Mask, least_px: float) -> Mask:
     """The mask (0 or 255) without its parts of fewer pixels than this."""
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8, ltype=cv2.CV_16U)
     kept = np.where(statistics[:, cv2.CC_STAT_AREA] >= least_px, np.uint8(255), np.uint8(0))
@@ -70,8 +71,9 @@ def area_opened(mask: Mask, least_px: int = SMALLEST_OBJECT_PX) -> Mask:
     return np.asarray(kept[labels])
 
 
-def closed(mask: Mask, size_px: int = CLOSING_PX) -> Mask:
-    """The mask with gaps filled and its border smoothed."""
+def closed(mask: Mask, reach_px: int) -> Mask:
+    """The mask with gaps of up to twice this width filled and its border smoothed."""
+    size_px = 2 * reach_px + 1
     disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size_px, size_px))
     return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disk), dtype=np.uint8)
 
@@ -110,16 +112,27 @@ def silhouette(
     for one that follows from noise and contrast.
     """
     square = colour_distance(picture, backdrop)
-    levels = noise_threshold(square, base.axis) if threshold is None else threshold
+    noise = float(np.sqrt(np.median(square[::NOISE_STRIDE, ::NOISE_STRIDE])))
+    contrast = float(np.sqrt(np.median(square[base.axis[:, 1], base.axis[:, 0]])))
+    levels = threshold or max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+    if contrast <= levels:
+        raise RefusedError(
+            f"camera {camera.name}: nothing stands out from the backdrop where the robot leaves its base "
+            f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {levels:.0f})"
+        )
     mask = np.where(square > levels**2, np.uint8(255), np.uint8(0))
     if work_area is not None:
         mask = np.asarray(cv2.bitwise_and(mask, work_area_mask(work_area, Grid(camera.size_px, 1))), np.uint8)
-    robot = joined_to_base(without_holder(closed(area_opened(mask)), base, holder_radius_mm), base)
-    if not robot.any():
+    if np.count_nonzero(mask) > LARGEST_SHARE * mask.size:
         raise RefusedError(
-            f"camera {camera.name}: nothing stands out from the backdrop where the robot leaves its base "
-            f"(threshold {levels:.0f} levels)"
+            f"camera {camera.name}: {100 * np.count_nonzero(mask) / mask.size:.0f} % of the picture stand out from the "
+            f"backdrop (threshold {levels:.0f} levels), {100 * LARGEST_SHARE:.0f} % at most can be robot and holder"
         )
+    opened = area_opened(mask, SMALLEST_ROBOT_MM2 * base.px_per_mm**2)
+    whole = closed(opened, max(round(CLOSING_MM * base.px_per_mm / 2), 1))
+    robot = joined_to_base(without_holder(whole, base, holder_radius_mm), base)
+    if not robot.any():
+        raise RefusedError(f"camera {camera.name}: no robot is joined to its base")
     return robot
 
 

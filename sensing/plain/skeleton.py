@@ -1,8 +1,7 @@
 """The silhouette's skeleton by distance transform (METHOD step 4), as a graph of pixels.
 
 What lies near the border cannot be skeleton, so the distance transform cuts it away first, and with it the corners from
-which thinning would grow side branches; what is left is thinned to lines of one pixel (Guo and Hall 1989, "Parallel
-thinning with two-subiteration algorithms", algorithm A1).
+which thinning would grow side branches; what is left is thinned to lines of one pixel.
 """
 
 from collections.abc import Iterable
@@ -11,10 +10,10 @@ from math import hypot
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
 from sensing.pictures.segmentation import Mask
+from sensing.refined.thinning import thinned
 
 CORE_SHARE = 0.5
 """How deep in the silhouette, in half widths, its skeleton lies at least."""
@@ -26,26 +25,7 @@ BRANCH_SHARE = 0.5
 """How much of a branch's length must lie beyond the circle where it begins: of a corner's 0.3 does, of a robot's all."""
 
 _RING = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
-"""The eight neighbours as (row, column), clockwise from above; a pixel's code has a bit for each that is set."""
-_BITS = np.zeros((3, 3), np.float32)
-for _bit, (_row, _column) in enumerate(_RING):
-    _BITS[_row + 1, _column + 1] = 1 << _bit
-
-
-def _kept() -> NDArray[np.uint8]:
-    """For both passes of a round and each code, 1 where the pixel stays: (2, 256)."""
-    ring = (np.arange(256)[:, None] >> np.arange(8) & 1).astype(bool).T
-    after, before = np.roll(ring, -1, axis=0), np.roll(ring, 1, axis=0)
-    sides, after_next = ring[::2], np.roll(ring, -2, axis=0)[::2]
-    crossings = (~sides & (after[::2] | after_next)).sum(axis=0)
-    pairs = np.minimum((before[::2] | sides).sum(axis=0), (sides | after[::2]).sum(axis=0))
-    border = (crossings == 1) & (pairs >= 2) & (pairs <= 3)
-    # p2 to p9 of the paper are ring 0 to 7
-    held = [(ring[4] | ring[5] | ~ring[7]) & ring[6], (ring[0] | ring[1] | ~ring[3]) & ring[2]]
-    return np.array([~border | hold for hold in held]).astype(np.uint8)
-
-
-_KEPT = _kept()
+"""The eight neighbours as (row, column), clockwise from above."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +55,8 @@ def skeleton(mask: Mask, base_pixel: FloatArray) -> Skeleton:
     depth = np.asarray(cv2.distanceTransform(box, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), dtype=np.float64)
     # across a strip the depth rises evenly from its border to its middle
     half_width = 2.0 * float(np.median(depth[depth > 0]))
-    line = thinned((depth > min(CORE_SHARE * half_width, float(depth.max()) / 2)).astype(np.uint8))
-    rows, columns = np.nonzero(line)
+    core = depth > min(CORE_SHARE * half_width, float(depth.max()) / 2)
+    rows, columns = np.nonzero(thinned(np.where(core, np.uint8(255), np.uint8(0))))
     corner = np.array([x0 - 1.0, y0 - 1.0])
     root = int(np.linalg.norm(np.column_stack([columns, rows]) + corner - base_pixel, axis=1).argmin())
     places = list(zip(rows.tolist(), columns.tolist(), strict=True))
@@ -90,17 +70,6 @@ def skeleton(mask: Mask, base_pixel: FloatArray) -> Skeleton:
         depth_px=depth[rows, columns],
         half_width_px=half_width,
     )
-
-
-def thinned(figure: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A figure (h, w) of 0 and 1, whose rim is 0, thinned to lines of one pixel that hang together as it does."""
-    before = -1
-    while (now := cv2.countNonZero(figure)) != before:
-        before = now
-        for kept in _KEPT:
-            code = cv2.filter2D(figure, cv2.CV_8U, _BITS, borderType=cv2.BORDER_CONSTANT)
-            figure = np.asarray(cv2.bitwise_and(figure, cv2.LUT(code, kept)), dtype=np.uint8)
-    return figure
 
 
 @dataclass(frozen=True)
