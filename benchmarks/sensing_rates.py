@@ -22,7 +22,7 @@ from sensing.refined.method import Refined
 from sensing.scene import Scene
 from sensing.sensor import Sensor
 
-CASES = {
+CASES: dict[tuple[int, int], dict[int, int | None]] = {
     (640, 480): {60: None},
     (1280, 720): {60: 50},
     (1920, 1080): {30: 50},

@@ -46,7 +46,9 @@ def step(method: Method, inputs: SetInputs, before: Track | None, clocks: Clocks
         shape = _seen_by_the_rest(method, inputs, before, clocks, lost)
         message = estimate_message(shape, inputs, method, clocks.age_ns())
     except SensingError as error:
-        return Outcome(refusal_message(error, inputs, method, clocks.age_ns()), None, lost)
+        # a picture that cannot be used says nothing of where the robot is
+        track = before if isinstance(error, PictureError) else None
+        return Outcome(refusal_message(error, inputs, method, clocks.age_ns()), track, lost)
     return Outcome(message, shape.track, lost)
 
 

@@ -85,8 +85,9 @@ def test_two_that_are_lost_are_a_refusal_that_says_why(scene, three, track):
     estimate, after, _ = stepped(scene, {"left": three["left"], "right": b""}, track)
     assert estimate.refusal == "camera right: the picture is empty (0 bytes)"
     assert estimate.flags == (Flag.CAMERA_LOST,)
+    assert after is track
+    estimate, after, _ = stepped(scene, {"left": three["left"]}, track)
     assert after is None
-    estimate, _, _ = stepped(scene, {"left": three["left"]}, track)
     assert estimate.refusal == (
         "camera right: no frame in this set; camera above: no frame in this set; "
         "two cameras at least must see the robot"

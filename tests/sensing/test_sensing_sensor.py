@@ -87,7 +87,7 @@ def test_the_stage_lifts_the_base(sensor, small_bench, arcs):
     assert np.abs(estimate.node_mm - arcs(*POSE, insertion_mm=12.0)[[40, 80]]).max() < 0.3
 
 
-def test_a_shape_is_followed_and_after_a_bad_frame_found_anew(sensor, seen):
+def test_a_shape_is_followed_and_a_bad_frame_loses_nothing(sensor, seen):
     sensor.heard(at_height(0.0))
     first, second = sense(sensor, seen), sense(sensor, seen, 8)
     assert "cold_start" in first.stage_names
@@ -99,6 +99,16 @@ def test_a_shape_is_followed_and_after_a_bad_frame_found_anew(sensor, seen):
     assert len(bad.centreline_mm) == len(bad.node_mm) == 0
     third = sense(sensor, seen, 10)
     assert third.trusted
+    assert "cold_start" not in third.stage_names
+    assert np.abs(third.node_mm - first.node_mm).max() < 0.05
+
+
+def test_a_robot_that_was_not_there_is_found_anew(sensor, seen, without_robot):
+    sensor.heard(at_height(0.0))
+    first = sense(sensor, seen)
+    assert sense(sensor, without_robot, 8).refusal
+    assert sensor.memory.track is None
+    third = sense(sensor, seen, 9)
     assert "cold_start" in third.stage_names
     assert np.abs(third.node_mm - first.node_mm).max() == 0
 
