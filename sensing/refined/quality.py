@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from itertools import combinations
 
-import cv2
 import numpy as np
 
 from messaging.checked import FloatArray
@@ -15,7 +14,7 @@ from sensing.pictures.grid import Grid
 from sensing.pictures.segmentation import Mask
 from sensing.refined.measuring import Normals
 from sensing.refined.refinement import Fit, Prior
-from sensing.refined.tube import sides
+from sensing.refined.tube_mask import tube_mask, widened
 from sensing.shape import Evidence
 
 LARGE_RESIDUAL_PX = 0.6
@@ -33,8 +32,8 @@ END_TOLERANCE_MM = 0.5
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
-FAR_PX = 1e5
-"""A curve that fits nothing may lie anywhere, and be of any size; drawing takes no coordinates beyond this."""
+RIM = 0.35
+"""Spacer disks stand so many half widths proud of the tube at most."""
 
 
 def residual_px(off: FloatArray) -> float:
@@ -122,16 +121,6 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
 
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
-    edges = sides(camera.centre_mm[None], fit.curve)
-    outline = np.vstack([camera.project(edges.one[0]), camera.project(edges.other[0])[::-1]])
-    outline = Grid.of(camera.size_px).coarse(outline).clip(-FAR_PX, FAR_PX)
-    radius = float(np.median(np.linalg.norm(np.diff(outline.reshape(2, -1, 2), axis=0), axis=2))) / 2
-    rim = min(int(np.ceil(0.35 * radius)), min(mask.shape) // 4)
-    tube = np.zeros_like(mask)
-    for strip in range(curve.SAMPLES - 1):
-        quad = outline[[strip, strip + 1, -2 - strip, -1 - strip]]
-        cv2.fillConvexPoly(tube, np.round(quad * 16).astype(np.int32), 255, shift=4)
-    tube = np.asarray(
-        cv2.dilate(tube, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1)))
-    )
-    return float(np.count_nonzero(mask & ~tube)) / max(int(np.count_nonzero(mask)), 1)
+    tube, half_width = tube_mask(camera, fit.curve, Grid.of(camera.size_px))
+    outside = mask & ~widened(tube, RIM * half_width)
+    return float(np.count_nonzero(outside)) / max(int(np.count_nonzero(mask)), 1)
