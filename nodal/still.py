@@ -1,10 +1,9 @@
-"""A shape from still images: read the files, estimate without a prior, say what came out."""
+"""A shape from still images: read the files, estimate without a prior. `still_words` says what came out."""
 
-import json
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +15,24 @@ from nodal.calibration_file import load_rig
 from nodal.errors import CommandError
 from sensing.errors import RefusedError, UnreadableImageError
 from sensing.method import METHODS, Method
+from sensing.pictures.work_area import work_area_faults
 from sensing.scene import Scene
 from sensing.settings import MethodName
 from sensing.shape import Shape
 
+Corners = tuple[tuple[float, float], ...]
+BRIGHTEST = 255
+LARGEST_DISTANCE = 442
+"""Between black and white, in equation 1's levels."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """What the user gave: files by camera name, nodal points in mm from the base, the robot's length if known."""
+    """What the user gave: files by camera name, nodal points in mm from the base, the robot's length if known.
+
+    `colour_rgb` is the backdrop's where a camera has no background, `threshold` equation 1's T in levels, `work_areas` are
+    polygons' corners in px by camera; without them sensing finds its own.
+    """
 
     calibration: Path
     images: Mapping[str, Path]
@@ -31,6 +40,9 @@ class Question:
     nodes_mm: tuple[float, ...]
     length_mm: float | None
     method: MethodName = MethodName.REFINED
+    colour_rgb: tuple[float, float, float] | None = None
+    threshold: float | None = None
+    work_areas: Mapping[str, Corners] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,11 +70,10 @@ def answer(question: Question) -> Answer | Refusal:
     points = NodalPoints(
         names=tuple(f"{arc:g}" for arc in question.nodes_mm), arc_mm=np.array(question.nodes_mm)
     )
-    if question.length_mm is not None and not (math.isfinite(question.length_mm) and question.length_mm > 0):
-        raise CommandError(f"--length {question.length_mm:g} mm is not a length; it must be above 0")
-    scene = Scene.of(rig, length_mm=question.length_mm)
+    _check(question, rig)
+    scene = _scene(question, rig, {})
     try:
-        scene = Scene.of(rig, backgrounds=_read(question.backgrounds), length_mm=question.length_mm)
+        scene = _scene(question, rig, _read(question.backgrounds))
         method = METHODS[question.method](scene)
         pictures = {name: scene.picture(name, data) for name, data in _read(question.images).items()}
         shape = method.estimate(pictures, 0.0, None, time.perf_counter)
@@ -88,54 +99,43 @@ def draw(question: Question, found: Answer | Refusal, folder: Path) -> None:
         draw_refusal(folder, found.scene, jpegs, 0.0, found.reason)
 
 
-def as_json(found: Answer | Refusal) -> str:
-    """One JSON object; lengths in mm, robot frame."""
-    if isinstance(found, Refusal):
-        return json.dumps({"refused": found.reason})
-    shape = found.shape
-    return json.dumps(
-        {
-            "nodes": [
-                {"name": name, "arc_mm": float(arc), "position_mm": place.tolist(), "sigma_mm": float(sigma)}
-                for name, arc, place, sigma in zip(
-                    found.points.names, found.points.arc_mm, found.node_mm, found.sigma_mm, strict=True
-                )
-            ],
-            "centreline_mm": shape.centreline.points_mm.tolist(),
-            "length_mm": shape.length_mm,
-            "ray_gap_mm": shape.evidence.ray_gap_mm,
-            "flags": [str(flag) for flag in shape.flags],
-            "stage_ms": {name: 1e3 * seconds for name, seconds in shape.stage_s.items()},
-        }
+def _scene(question: Question, rig: tuple[CameraCalibration, ...], backgrounds: Mapping[str, bytes]) -> Scene:
+    return Scene.of(
+        rig,
+        backgrounds=backgrounds,
+        colour_rgb=question.colour_rgb,
+        length_mm=question.length_mm,
+        work_areas={name: np.array(corners) for name, corners in question.work_areas.items()},
+        threshold=question.threshold,
     )
 
 
-def as_text(found: Answer | Refusal) -> str:
-    """A table for people."""
-    if isinstance(found, Refusal):
-        return f"refused: {found.reason}"
-    shape = found.shape
-    lines = ["node      arc mm        x mm        y mm        z mm    sigma mm"]
-    lines += [
-        f"{name:<8}{arc:8.2f}" + "".join(f"{value:12.3f}" for value in (*place, sigma))
-        for name, arc, place, sigma in zip(
-            found.points.names, found.points.arc_mm, found.node_mm, found.sigma_mm, strict=True
+def _check(question: Question, rig: tuple[CameraCalibration, ...]) -> None:
+    """Refuse numbers that nothing can be estimated with; comparisons are such that NaN fails them."""
+    length, threshold, colour = question.length_mm, question.threshold, question.colour_rgb
+    if length is not None and not (math.isfinite(length) and length > 0):
+        raise CommandError(f"--length {length:g} mm is not a length; it must be above 0")
+    if threshold is not None and not 0 < threshold <= LARGEST_DISTANCE:
+        raise CommandError(
+            f"--threshold {threshold:g} is not a colour distance; above 0 and up to {LARGEST_DISTANCE} levels are"
         )
-    ]
-    stages = ", ".join(f"{name} {1e3 * seconds:.0f}" for name, seconds in shape.stage_s.items())
-    lines += [
-        f"length {shape.length_mm:.2f} mm, mean ray gap {shape.evidence.ray_gap_mm:.3f} mm, residual {shape.residual_px:.2f} px",
-        f"flags: {', '.join(shape.flags) or 'none'}",
-        f"stages, ms: {stages}",
-    ]
-    return "\n".join(lines)
+    if colour is not None and not all(0 <= level <= BRIGHTEST for level in colour):
+        words = ",".join(f"{level:g}" for level in colour)
+        raise CommandError(f"--colour {words} is not a colour; each of R, G and B is 0 to {BRIGHTEST}")
+    areas = {name: np.array(corners) for name, corners in question.work_areas.items()}
+    for fault in work_area_faults(areas, rig):
+        raise CommandError(f"--work-area {fault.removeprefix('work_area.')}")
 
 
 def _cameras(question: Question) -> tuple[CameraCalibration, ...]:
     rig = load_rig(question.calibration)
     known = {camera.camera for camera in rig}
-    for option, files in (("--image", question.images), ("--background", question.backgrounds)):
-        for name in files:
+    for option, given in (
+        ("--image", question.images),
+        ("--background", question.backgrounds),
+        ("--work-area", question.work_areas),
+    ):
+        for name in given:
             if name not in known:
                 raise CommandError(
                     f"{option} {name}=...: the calibration has no camera {name!r}, only {sorted(known)}"

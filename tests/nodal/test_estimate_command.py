@@ -15,6 +15,8 @@ from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from messaging.frames import CameraCalibration
 from nodal.__main__ import main
 from nodal.calibration_file import save_rig
+from nodal.commands import estimate
+from sensing.settings import MethodName
 
 DONE, ERROR, REFUSED = 0, 2, 3
 CURVATURE_PER_MM, HEADING_RAD = 0.012, 2.6
@@ -106,7 +108,20 @@ def test_the_shape_of_an_arc_as_one_json_object(folder):
     assert (ran.returncode, ran.stderr) == (DONE, "")
     assert ran.stdout.count("\n") == 1
     said = json.loads(ran.stdout)
-    assert list(said) == ["nodes", "centreline_mm", "length_mm", "ray_gap_mm", "flags", "stage_ms"]
+    assert list(said) == [
+        "method",
+        "nodes",
+        "centreline_mm",
+        "length_mm",
+        "known_length_mm",
+        "cameras",
+        "ray_gap_mm",
+        "ray_bias_mm",
+        "least_epipolar_angle",
+        "flags",
+        "stage_ms",
+    ]
+    assert said["method"] == "refined"
     assert [set(node) for node in said["nodes"]] == [{"name", "arc_mm", "position_mm", "sigma_mm"}] * 3
     assert [node["name"] for node in said["nodes"]] == ["10", "40", "79.5"]
     assert [node["arc_mm"] for node in said["nodes"]] == [10.0, 40.0, 79.5]
@@ -115,11 +130,49 @@ def test_the_shape_of_an_arc_as_one_json_object(folder):
     assert all(0.001 < node["sigma_mm"] < 0.3 for node in said["nodes"])
     assert np.array(said["centreline_mm"]).shape[1] == 3
     assert said["length_mm"] == pytest.approx(80, abs=0.5)
-    assert 0 < said["ray_gap_mm"] < 0.2
+    assert said["known_length_mm"] is None
+    assert [camera["name"] for camera in said["cameras"]] == ["left", "right"]
+    assert all(0 < camera["residual_px"] < 1 and 60 < camera["visible_mm"] < 81 for camera in said["cameras"])
+    assert abs(said["ray_bias_mm"]) <= said["ray_gap_mm"] < 0.2
+    assert 1 < said["least_epipolar_angle"]["angle_deg"] < 90
+    assert 0 <= said["least_epipolar_angle"]["arc_mm"] <= said["length_mm"]
     assert said["flags"] == []
     assert set(said["stage_ms"]) == {"decode", "backdrop", "cold_start", "refine", "judge"}
     # milliseconds, not seconds: no machine finds a robot in less than one
     assert sum(said["stage_ms"].values()) > 1
+
+
+def test_the_papers_steps_find_the_arc_too(folder, nodal):
+    status, out, err = nodal(
+        *words(folder, "left.jpg", "right.jpg", "--method", "plain", "--length", "80", "--json")
+    )
+    assert (status, err) == (DONE, "")
+    said = json.loads(out)
+    assert (said["method"], said["known_length_mm"]) == ("plain", 80)
+    places = np.array([node["position_mm"] for node in said["nodes"]])
+    assert np.linalg.norm(places - on_arc([10, 20, 40, 80]), axis=1).max() < 1.0
+    assert set(said["stage_ms"]) == {"decode", "segment", "skeleton", "triangulate", "judge"}
+
+
+def test_there_are_as_many_methods_as_the_bench_file_knows():
+    assert set(estimate.METHODS) == set(MethodName)
+
+
+@pytest.mark.parametrize("method", estimate.METHODS)
+def test_colour_threshold_and_work_area_say_what_the_robot_is(folder, nodal, method):
+    colour_bgr = np.median(cv2.imread(str(folder / "left.jpg")).reshape(-1, 3), axis=0)
+    colour = ",".join(f"{level:g}" for level in colour_bgr[::-1])
+    backdrop = "--method", method, "--colour", colour, "--json"
+    status, out, _ = nodal(*words(folder, "left.jpg", "right.jpg", *backdrop, "--threshold", "45"))
+    places = np.array([node["position_mm"] for node in json.loads(out)["nodes"]])
+    assert status == DONE
+    assert np.linalg.norm(places - on_arc([10, 20, 40, 80]), axis=1).max() < 1.5
+    status, out, _ = nodal(*words(folder, "left.jpg", "right.jpg", *backdrop, "--threshold", "400"))
+    assert status == REFUSED
+    assert "threshold 400" in json.loads(out)["refused"]
+    base_alone = "--work-area", "left=300,350;660,350;660,539;300,539", "--nodes", "10"
+    status, out, _ = nodal(*words(folder, "left.jpg", "right.jpg", *backdrop, *base_alone))
+    assert status == REFUSED or json.loads(out)["flags"]
 
 
 def test_a_refusal_as_one_json_object(folder):
@@ -166,9 +219,16 @@ def test_a_refusal_in_words(folder, nodal):
 def test_a_table_for_people(folder, nodal):
     status, out, err = nodal(*words(folder, "left.jpg", "right.jpg", "--length", "80"))
     assert (status, err) == (DONE, "")
-    lines = out.splitlines()
+    method, *lines = out.splitlines()
+    assert method == "method refined"
     assert [line.split()[0] for line in lines[1:5]] == ["10", "20", "40", "80"]
-    assert "length 80." in out or "length 79." in out
+    assert lines[0].split()[0] == "node"
+    assert re.search(r"^length (79|80)\.\d\d mm, [+-]0\.\d\d mm against the known 80 mm$", out, re.MULTILINE)
+    assert re.search(r"^camera left: residual 0\.\d\d px, sees \d\d\.\d mm$", out, re.MULTILINE)
+    assert re.search(r"^mean ray gap 0\.\d{3} mm, bias [+-]0\.\d{3} mm$", out, re.MULTILINE)
+    assert re.search(
+        r"^least angle to the epipolar direction \d+ degrees, \d+ mm from the base$", out, re.MULTILINE
+    )
     assert "flags: none" in out
 
 
@@ -187,6 +247,19 @@ def test_a_table_for_people(folder, nodal):
         (["--background", "top=left.jpg"], r"the calibration has no camera 'top', only \['left', 'right'\]"),
         (["--background", "left=missing.jpg"], "missing.jpg: cannot be read: No such file or directory"),
         (["--image", "left=."], r"\.: cannot be read: Is a directory"),
+        (["--threshold", "0"], "--threshold 0 is not a colour distance; above 0 and up to 442 levels are"),
+        (["--threshold", "nan"], "--threshold nan is not a colour distance"),
+        (["--colour", "60,300,75"], "--colour 60,300,75 is not a colour; each of R, G and B is 0 to 255"),
+        (
+            ["--work-area", "top=1,1;9,1;9,9"],
+            r"the calibration has no camera 'top', only \['left', 'right'\]",
+        ),
+        (
+            ["--work-area", "left=1,1;9,1"],
+            "--work-area left has the shape \\(2, 2\\); a polygon is 3 corners",
+        ),
+        (["--work-area", "left=1,1;9,1;9,9"], "--work-area left does not contain the robot's base"),
+        (["--work-area", "left=0,0;3000,0;3000,539"], "--work-area left has a corner \\[3000, 0\\] outside"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -203,6 +276,21 @@ def test_a_list_that_is_none_is_told_with_an_example(folder, nodal, nodes):
     status, out, err = nodal(*words(folder, "left.jpg", "right.jpg", f"--nodes={nodes}"))
     assert (status, out) == (ERROR, "")
     assert f"{nodes!r} is not a list of distances in mm, such as 10,20,40,80" in err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "example"),
+    [
+        ("--colour", "green", "R,G,B, such as 60,140,75"),
+        ("--colour", "60,140", "R,G,B, such as 60,140,75"),
+        ("--work-area", "left", "NAME=X,Y;X,Y;..., such as left=600,200;1300,200;"),
+        ("--work-area", "left=600,200;1300", "NAME=X,Y;X,Y;..., such as left=600,200;1300,200;"),
+    ],
+)
+def test_a_value_that_cannot_be_read_is_told_with_an_example(folder, nodal, option, value, example):
+    status, out, err = nodal(*words(folder, "left.jpg", "right.jpg", option, value))
+    assert (status, out) == (ERROR, "")
+    assert f"{value!r} is not {example}" in err.splitlines()[-1]
 
 
 def test_one_image_is_too_few(folder, nodal):
