@@ -17,6 +17,8 @@ Panel = tuple[str, float, Callable[[Any, Subject], None]]
 
 FRAME_IN = 1.0
 BAR = 0.55
+FINE = 321
+"""Places along the centreline, which a method may give by few points."""
 FAR, LEAST_PX = 3.0, 0.2
 """Offsets are shown up to so many times the one that nine in ten stay below, and at least up to so many px."""
 WIDE_RANGE = 8.0
@@ -65,7 +67,7 @@ def _angle(axes: Any, subject: Subject) -> None:
 
 
 def _spread(axes: Any, subject: Subject) -> None:
-    arc_mm = np.linspace(0.0, subject.shape.length_mm, 161)
+    arc_mm = np.linspace(0.0, subject.shape.length_mm, FINE)
     sigma_mm = _worst_mm(subject.shape.centreline.at(arc_mm)[1])
     nodes_mm = _worst_mm(subject.node_covariance_mm2)
     axes.plot(arc_mm, sigma_mm, color=MEASURED)
@@ -117,7 +119,8 @@ def _gaps(axes: Any, subject: Subject) -> None:
     stages = subject.shape.stages
     if stages is None:
         return
-    line, arc_mm = subject.shape.centreline.points_mm, subject.shape.centreline.arc_mm
+    arc_mm = np.linspace(0.0, subject.shape.length_mm, FINE)
+    line, _ = subject.shape.centreline.at(arc_mm)
     nearest = np.linalg.norm(stages.points_mm[:, None] - line, axis=2).argmin(axis=1)
     axes.plot(arc_mm[nearest], stages.gaps_mm, ".", color=INK, markersize=2.5, markeredgewidth=0)
     axes.axhline(subject.shape.evidence.ray_gap_mm, color=MEASURED, linewidth=0.8)

@@ -25,8 +25,8 @@ AXIS_MM = 15.0
 """The robot's beginning is marked along +Z so far."""
 MOST_DISTANCE = 99.9
 EXPLAINED = (
-    "The base and its +Z as the calibration has them are in blue, the work area is in red. The colour distance is that of "
-    "equation 1, in levels. The silhouette is cut as the method `refined` does it."
+    "Blue: the base and its +Z as the calibration has them. Red: the work area, where one is set. The colour distance is "
+    "that of equation 1, in levels; what was taken for the robot is cut out as the method refined does it."
 )
 
 
