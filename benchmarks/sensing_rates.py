@@ -6,6 +6,11 @@ thread. JPEGs are the simulated cameras' own with restart markers, as some webca
 again without them and with 4:2:2 colours, as others do.
 """
 
+# ruff: noqa: E402  arithmetic has to be fixed before NumPy is loaded, as in the sensing process
+from nodal.arithmetic import pin
+
+pin()
+
 import argparse
 import time
 from collections.abc import Callable

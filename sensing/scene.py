@@ -12,6 +12,7 @@ from messaging.settings import RobotSettings
 from sensing.errors import WorkAreaError
 from sensing.geometry.camera import Camera
 from sensing.pictures.backdrop import Backdrop
+from sensing.pictures.grid import Grid
 from sensing.pictures.picture import Picture
 from sensing.pictures.segmentation import Limits
 from sensing.pictures.work_area import work_area_faults
@@ -102,7 +103,8 @@ class Scene:
         """What a picture's camera would see without the robot, in the picture's own light; raises UnreadableImageError."""
         known = self.backdrops.get(picture.camera)
         if known is None:
-            return Backdrop.fitted(picture.colour)
+            grid = Grid.of(picture.size_px)
+            return Backdrop.fitted(picture.reduced(grid.step), grid)
         return known.in_light_of(picture.reduced(known.grid.step))
 
     def picture(self, camera: str, data: bytes) -> Picture:

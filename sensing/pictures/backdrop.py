@@ -64,9 +64,10 @@ class Backdrop:
         return cls(grid, small, small, small, luma(picture), picture)
 
     @classmethod
-    def fitted(cls, picture: Image) -> "Backdrop":
-        """A smooth surface through the picture's own background."""
-        return cls.from_surface(Surface.fitted(picture).coefficients, (picture.shape[1], picture.shape[0]))
+    def fitted(cls, picture: Image, grid: Grid | None = None) -> "Backdrop":
+        """A smooth surface through the picture's own background; `picture` is of full size, or in the pixels of `grid`."""
+        grid = grid or Grid((picture.shape[1], picture.shape[0]), 1)
+        return cls.from_surface(Surface.fitted(picture, grid).coefficients, grid.size_px)
 
     @classmethod
     def from_surface(cls, coefficients: FloatArray, size_px: tuple[int, int]) -> "Backdrop":

@@ -23,7 +23,7 @@ class Coding:
 def coding_of(camera: str, data: bytes) -> Coding:
     """How this picture is coded; raises UnreadableImageError for what is not a whole JPEG, PNG or BMP."""
     if not data:
-        raise UnreadableImageError(camera, f"the picture is empty (0 bytes)")
+        raise UnreadableImageError(camera, "the picture is empty (0 bytes)")
     if data.startswith(jpeg.START):
         read = Jpeg.read(camera, data)
         return Coding((read.width, read.height), read.grey, read)

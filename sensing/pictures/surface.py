@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
+from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
 
 COLUMNS = 96
@@ -21,17 +22,20 @@ class Surface:
     coefficients: FloatArray
 
     @classmethod
-    def fitted(cls, picture: Image) -> "Surface":
-        """By reweighted least squares.
+    def fitted(cls, picture: Image, grid: Grid) -> "Surface":
+        """By reweighted least squares, from a picture (h, w, 3) in the pixels of a grid.
 
         Pixels that differ from the surface by more than a few times the typical difference (the robot, its holder)
         lose their say from one round to the next.
         """
-        height, width = picture.shape[:2]
-        stride = max(width // COLUMNS, 1)
+        width, height = grid.size_px
+        stride = max(picture.shape[1] // COLUMNS, 1)
         colours = picture[::stride, ::stride].reshape(-1, 3).astype(np.float64)
-        y, x = np.mgrid[0:height:stride, 0:width:stride]
-        terms = _terms(x.ravel() / width - 0.5, y.ravel() / height - 0.5)
+        y, x = (
+            grid.fine(place.ravel())
+            for place in np.mgrid[: picture.shape[0] : stride, : picture.shape[1] : stride]
+        )
+        terms = _terms(x / width - 0.5, y / height - 0.5)
         weight = np.ones(len(colours))
         coefficients: FloatArray = np.zeros((terms.shape[1], 3))
         for _ in range(ROUNDS):

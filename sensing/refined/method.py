@@ -14,6 +14,7 @@ import numpy as np
 from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
 from sensing.pictures.backdrop import Backdrop
+from sensing.pictures.grid import Grid
 from sensing.pictures.picture import Picture
 from sensing.refined import quality
 from sensing.refined.cold_start import ColdStart, cold_start
@@ -64,7 +65,7 @@ class Refined:
     def _cold(self, pictures: Mapping[str, Picture], insertion_mm: float, watch: Stopwatch) -> Shape:
         scene = self.scene
         for camera in scene.cameras:
-            _ = pictures[camera.name].colour
+            _ = pictures[camera.name].reduced(Grid.of(camera.size_px).step)
         watch.lap("decode")
         backdrops = {camera.name: scene.backdrop(pictures[camera.name]) for camera in scene.cameras}
         watch.lap("backdrop")
