@@ -73,6 +73,12 @@ class BaseView:
         length = float(np.linalg.norm(along))
         return cls(pixels[0], pixels[1:], along / length, length / AXIS_MM[-1])
 
+    def below(self, radius_mm: float, depth_px: float) -> FloatArray:
+        """Corners (4, 2) of the strip that reaches from the base downwards, as wide to either side of the axis: the holder's."""
+        across = radius_mm * self.px_per_mm * np.array([-self.up[1], self.up[0]])
+        down = -depth_px * self.up
+        return np.asarray(self.pixel + np.array([across, across + down, down - across, -across]))
+
 
 def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limits: Limits) -> Mask:
     """The robot's pixels (255) in a picture (h, w, 3) in detection pixels; raises RefusedError when there is no robot."""
@@ -95,7 +101,8 @@ def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limi
             f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {threshold:.0f})"
         )
     mask = (distance > threshold).view(np.uint8) * np.uint8(255)
-    _drop_holder(mask, base.pixel - (left, top), base, limits.holder_radius_mm)
+    holder = base.below(limits.holder_radius_mm, sum(mask.shape)) - (left, top)
+    cv2.fillConvexPoly(mask, np.rint(holder * 16).astype(np.int32), 0, shift=4)
     if limits.threshold is None:
         _drop_shadows(mask, small[window], backdrop.small[window], at_base, noise)
     mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
@@ -133,13 +140,6 @@ def _shade(seen: Image, empty: Image) -> tuple[FloatArray, FloatArray]:
     colours, backdrop = seen.astype(np.float32), empty.astype(np.float32)
     share = (colours * backdrop).sum(axis=1) / np.maximum((backdrop**2).sum(axis=1), 1.0)
     return share, np.linalg.norm(colours - share[:, None] * backdrop, axis=1)
-
-
-def _drop_holder(mask: Mask, pixel: FloatArray, base: BaseView, radius_mm: float) -> None:
-    across = radius_mm * base.px_per_mm * np.array([-base.up[1], base.up[0]])
-    down = -sum(mask.shape) * base.up
-    strip = pixel + np.array([across, across + down, down - across, -across])
-    cv2.fillConvexPoly(mask, np.rint(strip * 16).astype(np.int32), 0, shift=4)
 
 
 def _component_at_base(name: str, mask: Mask, at_base: Places, px_per_mm2: float) -> Mask:

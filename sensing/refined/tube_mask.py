@@ -11,7 +11,7 @@ from sensing.refined.tube import Curve, sides
 
 FAR_PX = 1e5
 """A curve that fits nothing may lie anywhere, and be of any size; drawing takes no coordinates beyond this."""
-STRIDE = 2
+STRIDE = 4
 ORIGIN: FloatArray = np.zeros(2)
 
 
