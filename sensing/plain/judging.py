@@ -20,8 +20,10 @@ SPACING_MM = 0.2
 """The line is projected in pieces of this length."""
 LARGE_RESIDUAL_PX, LARGE_RESIDUAL = 1.0, 0.1
 """A skeleton may be so far from the line: a pixel, and a share of the half width, by which disks make it step aside."""
-LARGE_RAY_GAP_MM = 0.25
-LARGE_BIAS_MM = 0.15
+LARGE_RAY_GAP_PX = 2.0
+LARGE_BIAS_PX = 1.2
+BASE_TOLERANCE_PX = 3.0
+"""Gaps and offsets are in px at the base here: a skeleton is as exact as its pixels."""
 LARGE_SPREAD_MM = 0.6
 """A point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 LONGEST_STEP = 4.0
@@ -31,7 +33,6 @@ SHARPEST_TURN = 1.0
 BACK = 0.5
 """How far a line may go back along a skeleton, in half widths: noise in the order of points does."""
 LENGTH_TOLERANCE_MM = 1.5
-BASE_TOLERANCE_MM = 0.4
 BASE_STRETCH = 5.0
 """As far from the base, in radii, the robot is a parabola."""
 THICK, THICK_SHARE = 1.45, 0.04
@@ -127,13 +128,15 @@ def judge(
     gap, bias = float(np.abs(trace.gaps_mm).mean()), float(np.median(trace.gaps_mm))
     spread_mm = np.sqrt(np.linalg.eigvalsh(line.covariance_mm2[:-1])[:, -1])
     half_width_px = min(skeleton.half_width_px for skeleton in skeletons.values())
+    px_per_mm = min(float(camera.px_per_mm(line.points_mm[:1])[0]) for camera in trace.pair)
     found = {
         Flag.LARGE_RESIDUAL: any(
             view.residual_px > LARGE_RESIDUAL_PX + LARGE_RESIDUAL * skeletons[name].half_width_px
             for name, view in views.items()
         ),
-        Flag.LARGE_RAY_GAP: gap > LARGE_RAY_GAP_MM,
-        Flag.CALIBRATION_OFF: abs(bias) > LARGE_BIAS_MM or base_offset_mm(trace) > BASE_TOLERANCE_MM,
+        Flag.LARGE_RAY_GAP: gap * px_per_mm > LARGE_RAY_GAP_PX,
+        Flag.CALIBRATION_OFF: abs(bias) * px_per_mm > LARGE_BIAS_PX
+        or base_offset_mm(trace) * px_per_mm > BASE_TOLERANCE_PX,
         Flag.EPIPOLAR_TANGENCY: loses_its_way(trace, half_width_px) or spread_mm.max() > LARGE_SPREAD_MM,
         Flag.TIP_UNSEEN: not any(view.shows_end for view in views.values()),
         Flag.LENGTH_MISMATCH: length_mm is not None and abs(length - length_mm) > LENGTH_TOLERANCE_MM,

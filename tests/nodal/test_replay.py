@@ -234,6 +234,20 @@ class TestWhatIf:
         assert b"quarter" in Log(out).attachments["bench.toml"]
         assert verdict_on(out).same
 
+    def test_another_method_sees_the_same_robot(self, short, tmp_path):
+        out = tmp_path / "what-if.mcap"
+        assert replay(short, "--set", "sensing.method=plain", "-o", out) == 0
+        before, after = (
+            {m.message.sequence: m.message for m in Log(path).messages([topics.SHAPE])}
+            for path in (short, out)
+        )
+        assert {estimate.method for estimate in after.values()} == {"plain"}
+        both = [n for n in before.keys() & after.keys() if before[n].trusted and after[n].trusted]
+        off = [np.linalg.norm(before[n].node_mm - after[n].node_mm, axis=1).max() for n in both]
+        assert len(both) > 0.5 * len(after)
+        assert max(off) < 2.0
+        assert verdict_on(out).same
+
     def test_another_gain_gives_other_commands(self, tmp_path):
         out = tmp_path / "what-if.mcap"
         assert replay(RUN, "--set", "controller.resolved_rate.feedback_per_s=2", "-o", out) == 0
