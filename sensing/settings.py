@@ -35,8 +35,9 @@ class SensingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     The backdrop is, for each camera, a picture taken without the robot (`background`: camera name to file); failing
     that, one colour for all (`backdrop_colour` as R, G, B: equation 1 of the paper); failing that, a smooth surface
     fitted to the frames themselves. `work_area` holds, for each camera that needs one, the corners of a polygon in px:
-    what lies outside is not looked at. `threshold` is the colour distance T in levels of equation 1; without it, it
-    follows from the noise and from how well the robot stands out. Within `holder_radius_mm` of the axis nothing below the base is taken for robot.
+    what lies outside is not looked at. It lies in the picture and contains the base. `threshold` is the colour distance T
+    in levels of equation 1; without it, it follows from the noise and from how well the robot stands out. Within
+    `holder_radius_mm` of the axis nothing below the base is taken for robot.
     """
 
     method: MethodName = MethodName.REFINED
