@@ -10,7 +10,6 @@ from sensing.errors import MemoryMisfitError
 from sensing.memory import SensingMemory, TrackMemory
 from sensing.pictures.backdrop import Backdrop
 from sensing.refined.method import Refined
-from sensing.scene import Scene
 from sensing.set_inputs import SetInputs
 from sensing.step import Clocks, step
 
@@ -35,16 +34,24 @@ def remembered(track):
     return SensingMemory.from_bytes(SensingMemory(track=memory, points=POINTS).to_bytes())
 
 
-@pytest.mark.parametrize("backdrop", ["fitted", "picture"])
-def test_the_next_estimate_is_the_same_from_memory(small_bench, without_robot, pictures, backdrop):
-    scene = small_bench.scene()
-    if backdrop == "picture":
-        scene = Scene.of(small_bench.rig, backgrounds=without_robot, length_mm=80.0)
+@pytest.fixture(scope="module")
+def dimmer(without_robot, decode, encode, to_light, to_levels):
+    """Background pictures taken when the lamp was weaker."""
+    return {
+        name: encode(to_levels(0.6 * to_light(decode(data))), ".png") for name, data in without_robot.items()
+    }
+
+
+@pytest.mark.parametrize("backdrop", ["fitted", "picture", "dimmer"])
+def test_the_next_estimate_is_the_same_from_memory(small_bench, without_robot, dimmer, pictures, backdrop):
+    taken = {"fitted": None, "picture": without_robot, "dimmer": dimmer}
+    scene = small_bench.scene(taken[backdrop])
     first, track, _ = step(Refined(scene), inputs(pictures[0]), None, STILL)
     assert first.trusted
     memory = remembered(track)
     assert memory.points == POINTS
     assert bool(memory.track.surfaces) == (backdrop == "fitted")
+    assert bool(memory.track.gains) == (backdrop == "dimmer")
     live, live_track, _ = step(Refined(scene), inputs(pictures[1]), track, STILL)
     again, track_again, _ = step(Refined(scene), inputs(pictures[1]), memory.track.track(scene), STILL)
     assert "cold_start" not in live.stage_names
