@@ -39,7 +39,7 @@ Walk = tuple[Arc, ...]
 def midlines(mask: Mask, base_pixel: FloatArray) -> tuple[FloatArray, ...]:
     """Lines (n, 2) as (x, y) px along the middle of a mask (h, w), from the base to the end: the likeliest first.
 
-    There is none in a mask without pixels.
+    There is none in a mask without pixels, nor in one as long as it is wide, which thins to a dot.
     """
     x0, y0, width, height = cv2.boundingRect(mask)
     if width == 0:
@@ -49,9 +49,11 @@ def midlines(mask: Mask, base_pixel: FloatArray) -> tuple[FloatArray, ...]:
     small = np.pad(np.where(grid.reduced(box) > MOSTLY, np.uint8(255), np.uint8(0)), 1)
     depth = np.asarray(cv2.distanceTransform(small, cv2.DIST_L2, 5), dtype=np.float64)
     thin = thinned(small)
-    thick = float(np.median(depth[thin]))
+    thick = float(np.median(depth[thin])) if thin.any() else 1.0
     base = grid.coarse(base_pixel - (x0, y0)) + 1
     arcs = _leading(network(thin, thick), thick)
+    if not arcs:
+        return ()
     walks = {walk: _unlikeliness(walk, arcs, thick) for walk in _walks(arcs, base, thick)}
     chosen: list[Walk] = []
     for walk in sorted(walks, key=lambda walk: walks[walk]):

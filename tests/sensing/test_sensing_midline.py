@@ -118,3 +118,14 @@ def test_nothing_has_no_midline():
     dot = np.zeros((20, 20), np.uint8)
     dot[4:6, 4:6] = 255
     assert len(midlines(dot, np.array([3.0, 3.0]))) == 1
+
+
+def test_a_blob_has_no_middle_and_does_no_harm():
+    """As a damaged picture shows one."""
+    corners = np.array([[11, 0], [26, 3], [26, 13], [29, 22], [29, 30], [0, 30], [4, 12], [5, 6], [11, 6]])
+    random = np.random.default_rng(4)
+    for _ in range(200):
+        mask = np.zeros((60, 60), np.uint8)
+        cv2.fillPoly(mask, [corners + random.integers(-2, 3, corners.shape) + 10], 255)
+        for line in midlines(mask, np.array([25.0, 41.0])):
+            assert np.isfinite(line).all()
