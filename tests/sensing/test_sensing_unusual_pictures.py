@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from messaging.shape import NodalPoints
+from messaging.shape import Flag, NodalPoints
 from sensing.refined.method import Refined
 from sensing.scene import Scene
 from sensing.sensor import Sensor
@@ -76,3 +76,33 @@ def test_a_camera_that_changes_its_size_is_named_until_the_size_returns(small_be
     assert back.refusal == ""
     assert "cold_start" not in back.stage_names
     assert np.abs(back.node_mm - before.node_mm).max() < 0.05
+
+
+def plainly_coded(picture):
+    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes()
+
+
+@pytest.mark.parametrize("markers", [True, False])
+def test_damaged_data_are_refused_flagged_or_do_no_harm(small_bench, seen, decode, arcs, markers, capfd):
+    """Changed bits, changed bytes and lost bytes, anywhere in one camera's data."""
+    random = np.random.default_rng(8)
+    sensor = Sensor(Refined(small_bench.scene()), POINTS, 80.0, 0.5)
+    pictures = seen if markers else again(seen, decode, plainly_coded)
+    sensor.estimate(pictures, 0, 1, lambda: 0)
+    outcomes = {"refused": 0, "flagged": 0, "harmless": 0}
+    for number in range(24):
+        data = bytearray(pictures["left"])
+        at = int(random.integers(700, len(data) - 60))
+        if number % 3 == 0:
+            data[at] ^= 1 << int(random.integers(8))
+        elif number % 3 == 1:
+            data[at : at + 8] = random.bytes(8)
+        else:
+            del data[at : at + int(random.integers(1, 60))]
+        estimate = sensor.estimate({**pictures, "left": bytes(data)}, 0, 1, lambda: 0)
+        doubts = set(estimate.flags) - {Flag.BASE_UNKNOWN}
+        outcomes["refused" if estimate.refusal else "flagged" if doubts else "harmless"] += 1
+        if not estimate.refusal and not doubts:
+            assert np.abs(estimate.node_mm - arcs(*POSE)[[40, 80]]).max() < 0.6
+    assert outcomes["refused"] > 2
+    assert outcomes["harmless"] > 2
