@@ -15,18 +15,21 @@ from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import best_pair, ray_gaps, triangulate
 from sensing.pictures.backdrop import Backdrop
+from sensing.pictures.grid import Grid
 from sensing.pictures.picture import Picture
-from sensing.pictures.segmentation import BaseView, Limits, robot_mask
+from sensing.pictures.segmentation import BaseView, Limits, Mask, robot_mask
 from sensing.refined.midline import half_width, midlines
 from sensing.refined.tube import Curve
+from sensing.refined.tube_mask import tube_mask
+from sensing.refined.unfolding import unfolded
 from sensing.refined.walk import ordered_pairs
 from sensing.scene import Scene
 from sensing.shape import Silhouette, Stages
 
 MIDLINE_POINTS = 100
 LEAST_LENGTH_MM = 5.0
-LENGTH_SHARE = 0.1
-"""Of the difference between a first curve's length and the robot's: midlines end a little early or late."""
+LIKE_ENOUGH = 0.78
+"""Below this likeness to the silhouettes a curve is not what its midlines should have led to: one is folded."""
 BASE_STRETCH = 0.05
 """The share of the walk next to the base that is left to the base's known pose: the holder's rim blurs it."""
 
@@ -50,28 +53,58 @@ def cold_start(
         for camera in scene.cameras
     }
     pair = best_pair(scene.cameras, np.array([0.0, 0.0, insertion_mm]))
-    matches = (
+    matches = [
         _matched(pair, chosen, insertion_mm) for chosen in product(*(found[camera.name] for camera in pair))
-    )
-    best = min(matches, key=lambda match: match.unlikeliness(scene.length_mm))
-    silhouettes = {name: choices[0] for name, choices in found.items()}
-    silhouettes |= {camera.name: seen for camera, seen in zip(pair, best.silhouettes, strict=True)}
-    return ColdStart(best.curve, Stages(silhouettes, best.points_mm, best.gaps_mm))
+    ]
+
+    def likeness(line: Curve) -> float:
+        return _likeness(scene, {name: choices[0].mask for name, choices in found.items()}, line)
+
+    scores = [likeness(match.curve) for match in matches]
+    best = matches[int(np.argmax(scores))]
+    silhouettes = {name: choices[0] for name, choices in found.items()} | best.silhouettes
+    curves = [best.curve]
+    if max(scores) < LIKE_ENOUGH:
+        reach_mm = scene.length_mm or best.curve.length_mm
+        curves += [_unfolded(scene.cameras, camera, silhouettes, insertion_mm, reach_mm) for camera in pair]
+    return ColdStart(max(curves, key=likeness), Stages(silhouettes, best.points_mm, best.gaps_mm))
 
 
 @dataclass(frozen=True)
 class _Match:
     """One midline of each of two cameras taken together: the paired rays' points (n, 3), their gaps (n,), and the curve."""
 
-    silhouettes: tuple[Silhouette, ...]
+    silhouettes: dict[str, Silhouette]
     points_mm: FloatArray
     gaps_mm: FloatArray
     curve: Curve
 
-    def unlikeliness(self, length_mm: float | None) -> float:
-        """How badly the two agree, in mm: the gaps, and how far the curve is from the robot's length."""
-        gap = float(np.sqrt(np.mean(self.gaps_mm**2)))
-        return gap if length_mm is None else gap + LENGTH_SHARE * abs(self.curve.length_mm - length_mm)
+
+def _likeness(scene: Scene, masks: Mapping[str, Mask], line: Curve) -> float:
+    """How much of the silhouettes and of the curve's tube lies in both (1: all), less the relative error of the length."""
+    shares = []
+    for camera in scene.cameras:
+        tube, _ = tube_mask(camera, line, Grid.of(camera.size_px))
+        shares.append(
+            np.count_nonzero(tube & masks[camera.name]) / np.count_nonzero(tube | masks[camera.name])
+        )
+    off = 0.0 if scene.length_mm is None else abs(line.length_mm / scene.length_mm - 1.0)
+    return float(np.mean(shares)) - off
+
+
+def _unfolded(
+    cameras: tuple[Camera, ...],
+    along: Camera,
+    silhouettes: Mapping[str, Silhouette],
+    insertion_mm: float,
+    reach_mm: float,
+) -> Curve:
+    """The curve that one camera's midline suggests together with the other cameras' masks."""
+    masks = [(camera, silhouettes[camera.name].mask) for camera in cameras if camera is not along]
+    line, base = _evened(silhouettes[along.name]), np.array([0.0, 0.0, insertion_mm])
+    points = unfolded(along, line, masks, base, reach_mm)
+    radius = silhouettes[along.name].half_width_px / _px_per_mm(along, points)
+    return _first_curve(points, np.linspace(0.0, 1.0, len(points)), insertion_mm, radius)
 
 
 def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], insertion_mm: float) -> _Match:
@@ -81,7 +114,8 @@ def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], i
     points, gaps = triangulate(first, rays[0][i], second, rays[1][j])
     walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
     radius = silhouettes[0].half_width_px / _px_per_mm(first, points)
-    return _Match(silhouettes, points, gaps, _first_curve(points, walk, insertion_mm, radius))
+    seen = {camera.name: silhouette for camera, silhouette in zip(pair, silhouettes, strict=True)}
+    return _Match(seen, points, gaps, _first_curve(points, walk, insertion_mm, radius))
 
 
 def _silhouettes(
