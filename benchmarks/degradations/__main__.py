@@ -12,13 +12,13 @@ import cv2
 
 from benchmarks.degradations.cases import CASES
 from benchmarks.degradations.level import Case, Level
-from benchmarks.degradations.looking import draw, in_words
+from benchmarks.degradations.looking import draw, errors_in_words, in_words
 from benchmarks.degradations.running import Outcome, prior, run
 from benchmarks.degradations.table import COLUMNS, LEGEND, Row, as_json, as_line, as_markdown, cells
 from sensing.method import METHODS
 from sensing.settings import MethodName
 
-POSES = 4
+POSES = 5
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -58,18 +58,18 @@ def _measure(cases: tuple[Case, ...], method: MethodName, poses: int, show_silen
     silent: list[str] = []
     for case in cases:
         for level in case.levels:
-            numbered = [
-                (number, seen.outcome) for number in range(poses) for seen in run(level, method, number)
-            ]
-            outcomes = [outcome for _, outcome in numbered]
+            outcomes: list[Outcome] = []
+            for number in range(poses):
+                found = [seen.outcome for seen in run(level, method, number)]
+                outcomes += found
+                if any(outcome.silent for outcome in found):
+                    before = prior(level, method, number).outcome
+                    silent.append(
+                        f"silent: {case.name}:{level.name}:{number} {errors_in_words([before, *found])}"
+                    )
             rows.append(Row.of(method, case.name, level.name, poses, outcomes))
             print(as_line(cells(rows[-1]), *widths), flush=True)
             everything += outcomes
-            silent += [
-                f"silent: {case.name}:{level.name}:{number} {in_words(outcome)}"
-                for number, outcome in numbered
-                if outcome.silent
-            ]
     rows.append(Row.of(method, "all", "", poses, everything))
     print(as_line(cells(rows[-1]), *widths))
     if show_silent:

@@ -1,5 +1,6 @@
 """What an outcome looks like: in words, and drawn over the pictures that it came from."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -26,6 +27,12 @@ def in_words(outcome: Outcome) -> str:
         f"({outcome.start}): nodal points off by {outcome.error_mm.mean():.3f} mm, "
         f"at most {outcome.error_mm.max():.3f}; flags: {', '.join(outcome.flags) or 'none'}"
     )
+
+
+def errors_in_words(outcomes: Sequence[Outcome]) -> str:
+    """By how much, at most, nodal points are off in each outcome that is silently wrong."""
+    silent = [f"{outcome.start} {outcome.error_mm.max():.2f}" for outcome in outcomes if outcome.silent]
+    return f"off by mm: {', '.join(silent)}"
 
 
 def draw(folder: Path, level: Level, seen: Seen) -> None:

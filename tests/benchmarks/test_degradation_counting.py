@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from benchmarks.degradations.looking import errors_in_words
 from benchmarks.degradations.running import INSIDE, Outcome, held_against
 from benchmarks.degradations.table import COLUMNS, Row, as_json, as_markdown, cells
 from benchmarks.poses import NODES_MM, bent, centreline, true_nodes
@@ -56,6 +57,12 @@ def test_one_bad_nodal_point_is_enough():
     off.error_mm[3] = 1.2
 
     assert off.silent
+
+
+def test_silent_errors_are_named_by_how_the_estimate_began():
+    found = [outcome(2.0), outcome(0.1, warm=True), outcome(3.25, warm=True), outcome(9.0, flags=("hidden",))]
+
+    assert errors_in_words(found) == "off by mm: cold 2.00, warm-0 3.25"
 
 
 def test_shares_are_of_all_estimates_of_a_kind():
