@@ -22,9 +22,11 @@ test: .venv/dev.stamp ## lint, types, import contracts, tests
 	$(BIN)/lint-imports
 	$(BIN)/pytest
 
-bench: .venv/dev.stamp ## side-by-side measurements; takes minutes
-	@for script in $(filter-out benchmarks/poses.py,$(wildcard benchmarks/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
-	@echo "== benchmarks/degradations"; $(BIN)/python -m benchmarks.degradations --show-silent
+BENCHMARKS = $(sort $(patsubst benchmarks/%.py,benchmarks.%,$(shell grep -l '__name__ == "__main__"' benchmarks/*.py))) \
+	$(patsubst benchmarks/%/__main__.py,benchmarks.%,$(wildcard benchmarks/*/__main__.py))
+
+bench: .venv/dev.stamp ## side-by-side measurements; takes minutes; NODAL_PHOTOGRAPHS names a folder of photographs
+	@for one in $(BENCHMARKS); do echo "== $$one"; $(BIN)/python -m $$one || exit 1; done
 
 golden: .venv/dev.stamp ## replay tests/data/*.mcap into themselves; only when other results are meant
 	@for log in tests/data/*.mcap; do \

@@ -8,7 +8,6 @@ import numpy as np
 
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import best_pair
-from sensing.pictures.backdrop import Backdrop
 from sensing.pictures.picture import Picture
 from sensing.pictures.segmentation import Mask
 from sensing.plain.judging import judge
@@ -74,11 +73,10 @@ class Plain:
         )
 
     def _mask(self, camera: Camera, picture: Picture, base: BaseSight) -> Mask:
-        backdrop = self.scene.backdrops.get(camera.name) or Backdrop.fitted(picture.colour)
         return silhouette(
             camera,
             picture.colour,
-            backdrop.picture,
+            self.scene.backdrop(picture).picture,
             base,
             holder_radius_mm=self.scene.holder_radius_mm,
             work_area=self.scene.work_areas.get(camera.name),

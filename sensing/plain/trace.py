@@ -11,7 +11,7 @@ from sensing.geometry.camera import Camera
 from sensing.geometry.rays import ray_gaps, signed_gaps, triangulate
 from sensing.pictures.segmentation import Mask
 from sensing.plain.line import line_through, to_silhouettes_end
-from sensing.plain.order import ordered
+from sensing.plain.order import end_of_line, ordered
 from sensing.plain.pairing import all_pairs
 from sensing.plain.polyline import Polyline
 from sensing.plain.skeleton import Skeleton
@@ -73,6 +73,7 @@ def traced(
             f"cameras {first.name} and {second.name} share only {len(taken)} points of a skeleton; "
             f"{LEAST_POINTS} are needed"
         )
+    taken[-1] = end_of_line(points, taken, APART_RADII * radius_mm)
     end_mm = to_silhouettes_end(points[taken], radius_mm, pair, (masks[first.name], masks[second.name]))
     return Trace(
         line=line_through(points[taken], insertion_mm, end_mm, pair),

@@ -10,7 +10,7 @@ from sensing.errors import RefusedError
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.plain.line import line_through, to_silhouettes_end
-from sensing.plain.order import ordered
+from sensing.plain.order import end_of_line, ordered
 from sensing.plain.pairing import all_pairs, descended
 from sensing.plain.polyline import Polyline
 from sensing.plain.silhouette import (
@@ -231,6 +231,14 @@ def test_duplicates_are_dropped_and_nothing_else():
     taken = noisy[ordered(noisy, 2.0)]
     assert np.linalg.norm(np.diff(taken, axis=0), axis=1).min() > 2.0
     assert np.diff(taken[:, 2]).min() > 0
+
+
+def test_a_line_ends_with_its_last_point_and_not_with_one_beside_it():
+    line = np.column_stack([np.zeros((30, 2)), np.arange(30.0) / 5])
+    stray = np.array([[1.5, 0.0, 7.5]])
+    points = np.vstack([line, stray])
+    taken = np.array([0, 10, 25])
+    assert end_of_line(points, taken, 3.0) == 29
 
 
 # the line
