@@ -16,7 +16,7 @@ from sensing.plain.skeleton import Skeleton
 from sensing.plain.trace import BASE_RADII, Trace
 from sensing.shape import Evidence
 
-SPACING_MM = 0.2
+SPACING_MM = 0.5
 """The line is projected in pieces of this length."""
 LARGE_RESIDUAL_PX, LARGE_RESIDUAL = 1.0, 0.1
 """A skeleton may be so far from the line: a pixel, and a share of the half width, by which disks make it step aside."""
