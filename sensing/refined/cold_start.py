@@ -21,15 +21,12 @@ from sensing.pictures.segmentation import BaseView, Limits, Mask, robot_mask
 from sensing.refined.midline import half_width, midlines
 from sensing.refined.tube import Curve
 from sensing.refined.tube_mask import tube_mask
-from sensing.refined.unfolding import unfolded
 from sensing.refined.walk import ordered_pairs
 from sensing.scene import Scene
 from sensing.shape import Silhouette, Stages
 
 MIDLINE_POINTS = 100
 LEAST_LENGTH_MM = 5.0
-LIKE_ENOUGH = 0.78
-"""Below this likeness to the silhouettes a curve is not what its midlines should have led to: one is folded."""
 BASE_STRETCH = 0.05
 """The share of the walk next to the base that is left to the base's known pose: the holder's rim blurs it."""
 
@@ -57,17 +54,10 @@ def cold_start(
         _matched(pair, chosen, insertion_mm) for chosen in product(*(found[camera.name] for camera in pair))
     ]
 
-    def likeness(line: Curve) -> float:
-        return _likeness(scene, {name: choices[0].mask for name, choices in found.items()}, line)
-
-    scores = [likeness(match.curve) for match in matches]
-    best = matches[int(np.argmax(scores))]
+    masks = {name: choices[0].mask for name, choices in found.items()}
+    best = max(matches, key=lambda match: _likeness(scene, masks, match.curve))
     silhouettes = {name: choices[0] for name, choices in found.items()} | best.silhouettes
-    curves = [best.curve]
-    if max(scores) < LIKE_ENOUGH:
-        reach_mm = scene.length_mm or best.curve.length_mm
-        curves += [_unfolded(scene.cameras, camera, silhouettes, insertion_mm, reach_mm) for camera in pair]
-    return ColdStart(max(curves, key=likeness), Stages(silhouettes, best.points_mm, best.gaps_mm))
+    return ColdStart(best.curve, Stages(silhouettes, best.points_mm, best.gaps_mm))
 
 
 @dataclass(frozen=True)
@@ -90,21 +80,6 @@ def _likeness(scene: Scene, masks: Mapping[str, Mask], line: Curve) -> float:
         )
     off = 0.0 if scene.length_mm is None else abs(line.length_mm / scene.length_mm - 1.0)
     return float(np.mean(shares)) - off
-
-
-def _unfolded(
-    cameras: tuple[Camera, ...],
-    along: Camera,
-    silhouettes: Mapping[str, Silhouette],
-    insertion_mm: float,
-    reach_mm: float,
-) -> Curve:
-    """The curve that one camera's midline suggests together with the other cameras' masks."""
-    masks = [(camera, silhouettes[camera.name].mask) for camera in cameras if camera is not along]
-    line, base = _evened(silhouettes[along.name]), np.array([0.0, 0.0, insertion_mm])
-    points = unfolded(along, line, masks, base, reach_mm)
-    radius = silhouettes[along.name].half_width_px / _px_per_mm(along, points)
-    return _first_curve(points, np.linspace(0.0, 1.0, len(points)), insertion_mm, radius)
 
 
 def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], insertion_mm: float) -> _Match:
