@@ -32,8 +32,8 @@ END_TOLERANCE_MM = 0.5
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
-RIM = 0.35
-"""Spacer disks stand so many half widths proud of the tube at most."""
+RIM, RIM_MM = 0.35, 0.8
+"""Spacer disks stand at most so many half widths proud of the tube, and of a thin one at most so many millimetres."""
 
 
 def residual_px(off: FloatArray) -> float:
@@ -122,5 +122,6 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
 def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
     """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
     tube, half_width = tube_mask(camera, fit.curve, Grid.of(camera.size_px))
-    outside = mask & ~widened(tube, RIM * half_width)
+    rim = half_width * max(RIM, RIM_MM / float(np.median(fit.curve.radius_mm)))
+    outside = mask & ~widened(tube, rim)
     return float(np.count_nonzero(outside)) / max(int(np.count_nonzero(mask)), 1)
