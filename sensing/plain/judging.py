@@ -24,14 +24,14 @@ LARGE_RAY_GAP_PX = 2.0
 LARGE_BIAS_PX = 1.2
 BASE_TOLERANCE_PX = 3.0
 """Gaps and offsets are in px at the base here: a skeleton is as exact as its pixels."""
-LARGE_SPREAD_MM = 0.6
+LARGE_SPREAD_MM = 0.45
 """A point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 LONGEST_STEP = 4.0
 """From one point of the line to the next, in radii."""
 SHARPEST_TURN = 1.0
 """In rad, over a piece about as long as the robot's radius: none bends about less than that."""
-BACK = 0.5
-"""How far a line may go back along a skeleton, in half widths: noise in the order of points does."""
+LEAST_ADVANCE = 0.25
+"""How far a line must go on along both skeletons, in half widths, from each of its points to the next."""
 LENGTH_TOLERANCE_MM = 1.5
 BASE_STRETCH = 5.0
 """As far from the base, in radii, the robot is a parabola."""
@@ -101,13 +101,13 @@ def base_offset_mm(trace: Trace) -> float:
 
 def loses_its_way(trace: Trace, half_width_px: float) -> bool:
     """Whether the line goes back along a skeleton, leaps, or turns as no tube can: partners were taken from elsewhere."""
-    backwards_px = -np.diff(trace.walk_px, axis=0).min(initial=0.0)
+    advance_px = np.diff(trace.walk_px, axis=0).min()
     pieces = np.diff(trace.line.points_mm, axis=0)
     lengths = np.linalg.norm(pieces, axis=1)
     pieces /= np.maximum(lengths, 1e-12)[:, None]
     least_cosine = np.sum(pieces[1:] * pieces[:-1], axis=1).min()
     return bool(
-        backwards_px > BACK * half_width_px
+        advance_px < LEAST_ADVANCE * half_width_px
         or lengths.max() > LONGEST_STEP * trace.radius_mm
         or least_cosine < np.cos(SHARPEST_TURN)
     )
