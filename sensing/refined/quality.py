@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from itertools import combinations
 
+import cv2
 import numpy as np
 
 from messaging.checked import FloatArray
@@ -11,10 +12,11 @@ from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import epipolar_angles, signed_gaps
 from sensing.pictures.grid import Grid
-from sensing.pictures.segmentation import Mask
+from sensing.pictures.segmentation import BaseView, Mask
 from sensing.refined.measuring import Normals
 from sensing.refined.refinement import Fit, Prior
 from sensing.refined.tube_mask import tube_mask, widened
+from sensing.settings import HOLDER_RADIUS_MM
 from sensing.shape import Evidence
 
 LARGE_RESIDUAL_PX = 0.6
@@ -32,6 +34,8 @@ END_TOLERANCE_MM = 0.5
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
+COLLAR_MM = 4.0
+"""From above the holder's top face is seen as far above the base as this."""
 RIM, RIM_MM = 0.35, 0.8
 """Spacer disks stand at most so many half widths proud of the tube, and of a thin one at most so many millimetres."""
 
@@ -89,7 +93,7 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
         prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
     )
     merged = any(
-        unexplained(camera, fit, masks[camera.name]) > UNEXPLAINED_SHARE
+        unexplained(camera, fit, prior.insertion_mm, masks[camera.name]) > UNEXPLAINED_SHARE
         for camera in cameras
         if camera.name in masks
     )
@@ -119,9 +123,11 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
     )
 
 
-def unexplained(camera: Camera, fit: Fit, mask: Mask) -> float:
+def unexplained(camera: Camera, fit: Fit, insertion_mm: float, mask: Mask) -> float:
     """The share of a silhouette (h, w) that lies outside of the fitted tube and the disks' rim around it."""
     tube, half_width = tube_mask(camera, fit.curve, Grid.of(camera.size_px))
     rim = half_width * max(RIM, RIM_MM / float(np.median(fit.curve.radius_mm)))
     outside = mask & ~widened(tube, rim)
+    collar = BaseView.of(camera, insertion_mm + COLLAR_MM).below(HOLDER_RADIUS_MM, sum(mask.shape))
+    cv2.fillConvexPoly(outside, np.rint(collar * 16).astype(np.int32), 0, shift=4)
     return float(np.count_nonzero(outside)) / max(int(np.count_nonzero(mask)), 1)
