@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from sensing.errors import RefusedError
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
+from sensing.plain.judging import loses_its_way
 from sensing.plain.line import line_through, to_silhouettes_end
 from sensing.plain.order import end_of_line, ordered
 from sensing.plain.pairing import all_pairs, descended
@@ -24,6 +25,7 @@ from sensing.plain.silhouette import (
     without_holder,
 )
 from sensing.plain.skeleton import skeleton
+from sensing.plain.trace import Trace
 
 HEIGHT, WIDTH = 120, 160
 
@@ -191,6 +193,15 @@ def test_descent_goes_on_from_the_pair_before_and_does_not_jump():
     assert np.abs(second.reach_px[found] - first.reach_px[:30]).max() < 1
 
 
+def test_descent_begins_where_the_pair_before_ended():
+    """From the beginning each time it would be caught by what lies there."""
+    first = second = straight(80)
+    near = np.abs(first.reach_px[:, None] - second.reach_px[None])
+    beginning = np.abs(second.reach_px[None] - 2) + 3.0
+    found = descended(np.minimum(near, beginning), first, second)
+    assert np.abs(second.reach_px[found] - first.reach_px).max() < 1
+
+
 def first_of(whole, count):
     """The beginning of a skeleton."""
     return type(whole)(
@@ -293,6 +304,28 @@ def test_the_line_ends_where_the_silhouettes_end(rig, project):
         mask = np.zeros((1080, 1920), np.uint8)
         masks.append(cv2.rectangle(mask, pixels[0] - [20, 0], pixels[1] + [20, 0], 255, -1))
     assert to_silhouettes_end(points, 3.0, cameras, tuple(masks)) == pytest.approx(4.0, abs=0.2)
+
+
+def trace_along(corners_mm, walk_px):
+    """A trace of a robot with a radius of 3 mm."""
+    line = Polyline(np.array(corners_mm, float), np.zeros((len(corners_mm), 3, 3)))
+    walk = np.column_stack([walk_px, walk_px]).astype(float)
+    return Trace(line, (), np.zeros((0, 3)), np.zeros(0), walk, radius_mm=3.0, insertion_mm=0.0)
+
+
+@pytest.mark.parametrize(
+    ("corners_mm", "walk_px", "lost"),
+    [
+        ([[0, 0, 0], [0, 0, 4], [0, 1, 8], [0, 2, 12]], [0, 25, 50], False),
+        ([[0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 8]], [0, 25, 50], True),
+        ([[0, 0, 0], [0, 0, 4], [0, 0, 20], [0, 0, 24]], [0, 25, 50], True),
+        ([[0, 0, 0], [0, 0, 4], [0, 1, 8], [0, 2, 12]], [0, 25, 20], True),
+        ([[0, 0, 0], [0, 0, 4], [0, 1, 8], [0, 2, 12]], [0, 25, 26], True),
+    ],
+    ids=["as it should", "a corner", "a leap", "backwards", "on the spot"],
+)
+def test_a_line_that_no_tube_can_follow_has_lost_its_way(corners_mm, walk_px, lost):
+    assert loses_its_way(trace_along(corners_mm, walk_px), half_width_px=20.0) is lost
 
 
 def test_arc_lengths_of_a_polyline_are_the_curves(arcs):
