@@ -65,7 +65,7 @@ def colour_distance(picture: Image, backdrop: Image) -> NDArray[np.float32]:
 
 def area_opened(mask: Mask, least_px: float) -> Mask:
     """The mask (0 or 255) without its parts of fewer pixels than this."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8, ltype=cv2.CV_16U)
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     kept = np.where(statistics[:, cv2.CC_STAT_AREA] >= least_px, np.uint8(255), np.uint8(0))
     kept[0] = 0
     return np.asarray(kept[labels])
@@ -88,7 +88,7 @@ def without_holder(mask: Mask, base: BaseSight, radius_mm: float) -> Mask:
 
 def joined_to_base(mask: Mask, base: BaseSight) -> Mask:
     """The one part of the mask that covers most of the axis above the base; all 0 where none does."""
-    _, labels = cv2.connectedComponents(mask, connectivity=8, ltype=cv2.CV_16U)
+    _, labels = cv2.connectedComponents(mask, connectivity=8)
     touched = labels[base.axis[:, 1], base.axis[:, 0]]
     touched = touched[touched > 0]
     if not touched.size:
