@@ -55,7 +55,7 @@ class Evidence:
 
     `residual_px` and `visible_mm` are by camera: the RMS distance between the reprojected centreline and the measured
     midline, and the length along which it was measured. `ray_gap_mm` is the mean gap between paired rays, `ray_bias_mm`
-    the part of it that is the same all along. `epipolar_angle_rad` (n,) is the angle to the epipolar direction of the
+    by how much the rays of one camera seem to pass all others systematically. `epipolar_angle_rad` (n,) is the angle to the epipolar direction of the
     two cameras that see the point best.
     """
 

@@ -28,7 +28,9 @@ NEARBY = 6
 """The local half height is met within so many samples of the first crossing."""
 
 _CODE = np.arange(256) / 255.0
-LINEAR: FloatArray = 255.0 * np.where(_CODE <= 0.04045, _CODE / 12.92, ((_CODE + 0.055) / 1.055) ** 2.4)
+LINEAR: NDArray[np.float32] = np.float32(255.0) * np.where(
+    _CODE <= 0.04045, _CODE / 12.92, ((_CODE + 0.055) / 1.055) ** 2.4
+).astype(np.float32)
 """Linear light of each 8-bit level (sRGB, IEC 61966-2-1): a lens mixes light, not levels, so half an edge's height is
 half of its light."""
 
@@ -55,31 +57,42 @@ class Walk:
         reach = 1.1 * half_widths + np.maximum(margin_px, LEAST_MARGIN_PX)
         half = _samples(reach)
         step = reach / half
-        return cls(np.arange(-half, half + 1) * step[:, None], step)
+        return cls(np.multiply.outer(step, np.arange(-half, half + 1)), step)
 
     @classmethod
     def onwards(cls, reach_px: FloatArray) -> "Walk":
-        """From a place as far as `reach_px` (n,)."""
-        count = _samples(reach_px)
+        """From a place as far as `reach_px` (n,); twice as dense, since lines onwards are few."""
+        count = 2 * _samples(reach_px)
         step = reach_px / count
-        return cls(np.arange(count + 1) * step[:, None], step)
+        return cls(np.multiply.outer(step, np.arange(count + 1)), step)
+
+    def part(self, rows: slice) -> "Walk":
+        """Some of the lines."""
+        return Walk(self.offsets[rows], self.step[rows])
 
 
 def _samples(reach_px: FloatArray) -> int:
     return int(min(np.ceil(reach_px.max(initial=SPACING_PX) / SPACING_PX), MOST_SAMPLES))
 
 
-def contrast(picture: Image, backdrop: Image, places: FloatArray) -> FloatArray:
-    """Backdrop minus picture in linear light at places (..., 2) given as (x, y) px, bilinearly; beyond the picture its rim."""
-    x, y = (places[..., axis].astype(np.float32) for axis in (0, 1))
+def contrast(
+    picture: Image, backdrop: Image, start: FloatArray, direction: FloatArray, walk: Walk
+) -> NDArray[np.float32]:
+    """Backdrop minus picture in linear light (n, m) along walks from places (n, 2) in unit directions (n, 2).
+
+    Places are (x, y) in px; between pixels it is bilinear, beyond the picture that of its rim.
+    """
+    x, y = (
+        (start[:, axis, None] + walk.offsets * direction[:, axis, None]).astype(np.float32) for axis in (0, 1)
+    )
     seen, empty = (
         cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         for source in (picture, backdrop)
     )
-    return np.asarray(LINEAR[empty] - LINEAR[seen]).reshape(x.shape)
+    return np.asarray(LINEAR[empty] - LINEAR[seen])
 
 
-def edge_pairs(profile: FloatArray, walk: Walk, half_widths: FloatArray) -> EdgePair:
+def edge_pairs(profile: NDArray[np.float32], walk: Walk, half_widths: FloatArray) -> EdgePair:
     """The edges in contrast (n, m) along walks across tubes of these predicted half widths (n,) in px."""
     half = profile.shape[1] // 2
     inside = np.abs(walk.offsets) < 0.5 * half_widths[:, None]
@@ -92,7 +105,7 @@ def edge_pairs(profile: FloatArray, walk: Walk, half_widths: FloatArray) -> Edge
     return EdgePair((right - left) / 2, (right + left) / 2, seen & (np.abs(height) > LEAST_CONTRAST))
 
 
-def ends(profile: FloatArray, walk: Walk) -> tuple[FloatArray, NDArray[np.bool_]]:
+def ends(profile: NDArray[np.float32], walk: Walk) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Distances (n,) in px to the silhouette's end in contrast (n, m) along walks onwards, and which were seen."""
     height = np.median(profile[:, : profile.shape[1] // 6], axis=1)
     blur = np.full(len(profile), BLUR_PX)
@@ -101,7 +114,7 @@ def ends(profile: FloatArray, walk: Walk) -> tuple[FloatArray, NDArray[np.bool_]
 
 
 def _edge(
-    profile: FloatArray, height: FloatArray, step: FloatArray, blur: FloatArray
+    profile: NDArray[np.float32], height: FloatArray, step: FloatArray, blur: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Distance (n,) from the first column at which profiles (n, m) fall through half of their local height.
 

@@ -35,10 +35,6 @@ class View:
     backdrop: Image
     corner: FloatArray
 
-    def contrast(self, pixels: FloatArray) -> FloatArray:
-        """Contrast at pixels (..., 2) of the whole picture."""
-        return contrast(self.picture, self.backdrop, pixels - self.corner)
-
     def shows(self, pixels: FloatArray) -> NDArray[np.bool_]:
         """Which of pixels (..., 2) lie in the camera's picture."""
         return np.asarray(
@@ -50,12 +46,13 @@ class View:
 class Normals:
     """Across the tube, n normals in each of v cameras.
 
-    `residual_px` (v, n) is the offset of the measured middle, 0 where it is not `valid` (v, n); `direction` (v, n, 3) its
-    derivative by the curve's point in px/mm. `clearness` (v, n) says how clearly the tube is seen, `shown` (v, n) whether it
+    `residual_px` (v, n) is the offset of the measured middle along `across` (v, n, 2), 0 where it is not `valid` (v, n);
+    `direction` (v, n, 3) is its derivative by the curve's point in px/mm. `clearness` (v, n) says how clearly the tube is seen, `shown` (v, n) whether it
     lies in the picture, `middle_px` (v, n, 2) is the measured midline and `radius_mm` (v, n) the tube's, or NaN.
     """
 
     residual_px: FloatArray
+    across: FloatArray
     direction: FloatArray
     valid: NDArray[np.bool_]
     clearness: FloatArray
@@ -68,12 +65,13 @@ class Normals:
 class Ends:
     """The silhouette's end along k parallel lines in each of v cameras.
 
-    `residual_px` (v, k) is how far beyond the predicted outline it is, 0 in cameras that do not see it (`seen` (v,));
-    `direction` (v, k, 3) its derivative in px/mm by the point that `basis` (CONTROL_POINTS,) gives; `mm_per_px` (v,) the
+    `residual_px` (v, k) is how far beyond the predicted outline it is along `onwards` (v, k, 2), 0 in cameras that do not
+    see it (`seen` (v,)); `direction` (v, k, 3) its derivative in px/mm by the point that `basis` (CONTROL_POINTS,) gives; `mm_per_px` (v,) the
     scale there.
     """
 
     residual_px: FloatArray
+    onwards: FloatArray
     direction: FloatArray
     seen: NDArray[np.bool_]
     basis: FloatArray
@@ -146,9 +144,7 @@ def _measure_normals(
     half = width[..., 0] / 2
     px_per_mm = half / fitted.radius_mm
     walk = Walk.across(half.ravel(), (MARGIN_MM * px_per_mm).ravel())
-    offsets = walk.offsets.reshape(*half.shape, -1, 1)
-    places = middle[:, :, None] + offsets * normals[:, :, None]
-    profile = np.concatenate([view.contrast(there) for view, there in zip(views, places, strict=True)])
+    profile = _profiles(views, middle, normals, walk)
     pairs = edge_pairs(profile, walk, half.ravel())
     ratio = pairs.half_width_px.reshape(half.shape) / half
     shown = np.array([view.shows(a) & view.shows(b) for view, a, b in zip(views, one, other, strict=True)])
@@ -166,6 +162,7 @@ def _measure_normals(
     by_middle = np.array([view.by_middle for view in pixels])
     return Normals(
         residual_px=residual,
+        across=normals,
         direction=np.einsum("vni,vnij->vnj", normals, by_middle),
         valid=valid,
         clearness=np.minimum(beside.foreshortening / CLEAR_FORESHORTENING, 1.0) ** 2,
@@ -184,9 +181,7 @@ def _measure_ends(views: tuple[View, ...], beyond: End, pixels: list[_Projected]
     px_per_mm = np.sqrt(np.sum(by_end[:, len(END_LINES) // 2] ** 2, axis=(1, 2)) / 2)
     margin = np.maximum(END_MARGIN_MM * px_per_mm, LEAST_END_MARGIN_PX)
     walk = Walk.onwards((reach + margin[:, None]).ravel())
-    offsets = walk.offsets.reshape(*reach.shape, -1, 1)
-    places = starts[:, :, None] + offsets * directions[:, :, None]
-    profile = np.concatenate([view.contrast(there) for view, there in zip(views, places, strict=True)])
+    profile = _profiles(views, starts, directions, walk)
     distance, found = ends(profile, walk)
     seen = (
         found.reshape(reach.shape).all(axis=1)
@@ -196,8 +191,26 @@ def _measure_ends(views: tuple[View, ...], beyond: End, pixels: list[_Projected]
     residual = np.where(seen[:, None], distance.reshape(reach.shape) - reach, 0.0)
     return Ends(
         residual_px=residual,
+        onwards=directions,
         direction=np.einsum("vki,vkij->vkj", directions, by_end),
         seen=seen,
         basis=beyond.basis,
         mm_per_px=1.0 / px_per_mm,
+    )
+
+
+def _profiles(
+    views: tuple[View, ...], starts: FloatArray, directions: FloatArray, walk: Walk
+) -> NDArray[np.float32]:
+    """Contrast (v n, m) along walks from starts (v, n, 2) in px of the whole picture, in unit directions (v, n, 2)."""
+    count = starts.shape[1]
+    return np.concatenate(
+        [
+            contrast(
+                view.picture, view.backdrop, start - view.corner, direction, walk.part(slice(at, at + count))
+            )
+            for at, view, start, direction in zip(
+                range(0, count * len(views), count), views, starts, directions, strict=True
+            )
+        ]
     )

@@ -5,6 +5,7 @@ from itertools import combinations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
 from messaging.shape import Flag
@@ -15,6 +16,7 @@ from sensing.pictures.grid import Grid
 from sensing.pictures.segmentation import BaseView, Mask
 from sensing.refined.measuring import Normals
 from sensing.refined.refinement import Fit, Prior
+from sensing.refined.surroundings import Surroundings
 from sensing.refined.tube_mask import tube_mask, widened
 from sensing.settings import HOLDER_RADIUS_MM
 from sensing.shape import Evidence
@@ -25,13 +27,26 @@ LARGE_STRETCH_PX = 3.0
 """Mean residual over as many neighbouring normals: a stretch that disagrees drowns in the curve's RMS."""
 LEAST_EXPLAINED = 0.6
 """The share of normals at which both edges must be found, in every camera."""
+GAP_STRIDE = 3
 LARGE_RAY_GAP_MM = 0.4
 LARGE_SPREAD_MM = 0.6
 """A nodal point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 JUDGED_POINTS = curve.basis(np.linspace(0.1, 1.0, 10))
-LENGTH_TOLERANCE_MM = 1.0
-END_TOLERANCE_MM = 0.5
+LENGTH_TOLERANCE_MM = 0.6
+END_TOLERANCE_MM = 0.2
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
+OUTLINE_TOLERANCE_PX = 1.5
+"""How uneven the end's outline may be: neither tip's form is like that, something hides or touches it."""
+SHIFT_TOLERANCE_MM, SHIFT_TOLERANCE_PX = 0.12, 0.95
+"""By how much one camera's picture may seem to lie elsewhere than its calibration says; the larger of both counts."""
+LEAST_ENDS = 2
+"""So many cameras must see the end: what one sees of it says nothing along its line of sight."""
+SPILLED_PLACES = 3
+"""So many places around the tube may show robot, out of two for each sample of the curve: dust does."""
+HIDDEN_PLACES = 4
+"""So many neighbouring samples of the centreline may look like backdrop."""
+LEAST_SHOWN = 0.97
+"""The share of the tube that must lie in every camera's picture."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
 COLLAR_MM = 4.0
@@ -53,25 +68,27 @@ def worst_stretch_px(normals: Normals) -> float:
     return float(np.lib.stride_tricks.sliding_window_view(off, STRETCH, axis=1).mean(axis=2).max())
 
 
-def ray_gaps_mm(cameras: tuple[Camera, ...], fit: Fit) -> tuple[float, float]:
-    """Mean gap between the rays of measured midlines at the same arc length over all pairs of cameras, and its bias.
+def longest_run(raised: NDArray[np.bool_]) -> int:
+    """How many neighbours (n,) are raised one after another, at most."""
+    down = np.flatnonzero(np.concatenate([[True], ~raised, [True]]))
+    return int(np.diff(down).max()) - 1
 
-    The bias is the largest mean of one pair's gaps with their sign. Both are NaN where no two cameras see the same stretch.
+
+def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
+    """Mean gap between the rays of measured midlines at the same arc length over all pairs of cameras.
+
+    It is NaN where no two cameras see the same stretch.
     """
-    gaps, biases = [], []
+    gaps = []
     for (one, first), (other, second) in combinations(enumerate(cameras), 2):
-        both = fit.normals.valid[one] & fit.normals.valid[other]
-        if both.any():
+        both = np.flatnonzero(fit.normals.valid[one] & fit.normals.valid[other])[::GAP_STRIDE]
+        if both.size:
             rays = [
                 camera.rays(fit.normals.middle_px[index, both])
                 for index, camera in ((one, first), (other, second))
             ]
-            signed = signed_gaps(first, rays[0], second, rays[1])
-            gaps.append(np.abs(signed))
-            biases.append(float(signed.mean()))
-    if not gaps:
-        return float("nan"), float("nan")
-    return float(np.concatenate(gaps).mean()), max(biases, key=abs)
+            gaps.append(np.abs(signed_gaps(first, rays[0], second, rays[1])))
+    return float(np.concatenate(gaps).mean()) if gaps else float("nan")
 
 
 def best_epipolar_angles(cameras: tuple[Camera, ...], fit: Fit) -> FloatArray:
@@ -81,31 +98,46 @@ def best_epipolar_angles(cameras: tuple[Camera, ...], fit: Fit) -> FloatArray:
     return np.asarray(np.max(pairs, axis=0))
 
 
-def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[str, Mask]) -> Evidence:
-    """Judge a fit. `masks` are the silhouettes of a cold start; a warm one has none, and is judged by its edges alone."""
+def judge(
+    cameras: tuple[Camera, ...],
+    fit: Fit,
+    prior: Prior,
+    around: tuple[Surroundings, ...],
+    masks: Mapping[str, Mask],
+) -> Evidence:
+    """Judge a fit by its edges, by what the cameras see `around` it, and by the silhouettes of a cold start."""
     normals, ends = fit.normals, fit.ends
     residual = residual_px(normals.residual_px[normals.valid])
-    gap, bias = ray_gaps_mm(cameras, fit)
+    gap = ray_gap_mm(cameras, fit)
     spread_mm = np.sqrt(np.linalg.eigvalsh(fit.covariance_mm2(JUDGED_POINTS))[:, -1])
     explained = normals.valid.mean(axis=1)
-    end_mm = np.abs(ends.residual_px.mean(axis=1) * ends.mm_per_px)[ends.seen]
+    end_mm = (ends.residual_px.mean(axis=1) * ends.mm_per_px)[ends.seen]
+    off_end = bool((np.abs(end_mm) > END_TOLERANCE_MM).any())
+    shift_px = np.linalg.norm(fit.shift_px, axis=1)
+    shift_mm = shift_px * ends.mm_per_px
+    shifted = (shift_mm > SHIFT_TOLERANCE_MM) & (shift_px > SHIFT_TOLERANCE_PX)
+    contradiction = off_end and end_mm.min() < 0 < end_mm.max()
     too_long = (
         prior.length_mm is not None and abs(fit.curve.length_mm - prior.length_mm) > LENGTH_TOLERANCE_MM
     )
-    merged = any(
+    merged = any(np.count_nonzero(seen.spilled) > SPILLED_PLACES for seen in around) or any(
         unexplained(camera, fit, prior.insertion_mm, masks[camera.name]) > UNEXPLAINED_SHARE
         for camera in cameras
         if camera.name in masks
     )
+    hidden = any(longest_run(seen.missing) > HIDDEN_PLACES for seen in around)
     found = {
         Flag.LARGE_RESIDUAL: explained.min() < LEAST_EXPLAINED
         or not residual < LARGE_RESIDUAL_PX
         or worst_stretch_px(normals) > LARGE_STRETCH_PX,
         Flag.LARGE_RAY_GAP: not gap < LARGE_RAY_GAP_MM,
         Flag.EPIPOLAR_TANGENCY: bool((spread_mm > LARGE_SPREAD_MM).any()),
-        Flag.TIP_UNSEEN: not ends.seen.any(),
-        Flag.LENGTH_MISMATCH: too_long or bool((end_mm > END_TOLERANCE_MM).any()),
+        Flag.TIP_UNSEEN: np.count_nonzero(ends.seen) < LEAST_ENDS or ends.outline_px > OUTLINE_TOLERANCE_PX,
+        Flag.LENGTH_MISMATCH: too_long or (off_end and not contradiction),
+        Flag.CALIBRATION_OFF: contradiction or bool(shifted.any()),
         Flag.MERGED_SILHOUETTE: merged,
+        Flag.HIDDEN: hidden,
+        Flag.OUT_OF_VIEW: normals.shown.mean(axis=1).min() < LEAST_SHOWN,
     }
     return Evidence(
         residual_px={
@@ -117,7 +149,7 @@ def judge(cameras: tuple[Camera, ...], fit: Fit, prior: Prior, masks: Mapping[st
             for camera, share in zip(cameras, explained, strict=True)
         },
         ray_gap_mm=gap,
-        ray_bias_mm=bias,
+        ray_bias_mm=float(shift_mm.max()),
         epipolar_angle_rad=best_epipolar_angles(cameras, fit),
         flags=tuple(flag for flag, raised in found.items() if raised),
     )

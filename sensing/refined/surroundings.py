@@ -1,0 +1,82 @@
+"""Whether a fitted tube is where the robot is: its inside is not backdrop, and around it there is no more robot.
+
+Edges alone do not tell. A curve that turns towards a camera has none there, and a fit likes to turn where nothing
+contradicts it; whatever else the camera sees of the robot then lies outside of the tube.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from messaging.checked import FloatArray
+from sensing.geometry import curve
+from sensing.geometry.camera import Camera
+from sensing.pictures.grid import Grid
+from sensing.pictures.segmentation import BaseView
+from sensing.refined.edges import LEAST_CONTRAST, Walk, contrast
+from sensing.refined.measuring import View
+from sensing.refined.track import Track
+from sensing.refined.tube import sides
+
+RIM = 1.3
+"""Spacer disks stand out by no more than this share of the tube's radius."""
+CLEAR_MM = 1.0
+"""How far beyond that the surroundings are looked at."""
+RING: FloatArray = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+SHARE_OF_CONTRAST = 0.45
+"""What differs from the backdrop by this share of what the tube typically does is robot."""
+AT_BASE_MM = 5.0
+"""So near to its base a tube's surroundings may show the holder."""
+_AROUND_END = np.column_stack([np.cos(RING), np.sin(RING)])
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """In one camera: which of n places along the centreline show backdrop, and which of k places around the tube robot.
+
+    The first n of those lie to one side of the tube, the next n to the other, the rest in a ring around its end.
+    """
+
+    missing: NDArray[np.bool_]
+    spilled: NDArray[np.bool_]
+
+
+def look_around(view: View, track: Track, holder_radius_mm: float) -> Surroundings:
+    """What a camera sees in and around a fitted tube; the holder below the base does not count."""
+    fitted, count = track.curve, curve.SAMPLES
+    edges = sides(view.camera.centre_mm[None], fitted)
+    pixels = view.camera.project(np.concatenate([edges.one[0], edges.other[0]]))
+    middle, across = (pixels[:count] + pixels[count:]) / 2, (pixels[:count] - pixels[count:]) / 2
+    half = np.sqrt(np.einsum("ij,ij->i", across, across))
+    away = RIM + CLEAR_MM / fitted.radius_mm
+    beside = away[:, None] * across
+    outside = np.concatenate(
+        [middle + beside, middle - beside, middle[-1] + away[-1] * half[-1] * _AROUND_END]
+    )
+    difference = _contrast(view, np.concatenate([middle, outside]))
+    shown = view.shows(middle)
+    typical = float(np.median(difference[:count][shown])) if shown.any() else 0.0
+    robot = np.sign(typical) * difference > max(SHARE_OF_CONTRAST * abs(typical), LEAST_CONTRAST)
+    spilled = robot[count:]
+    spilled[: 2 * count] &= np.tile(curve.PARAMETER * fitted.length_mm > AT_BASE_MM, 2)
+    if spilled.any():
+        holder = _holder(view.camera, track.insertion_mm, holder_radius_mm)
+        for place in np.flatnonzero(spilled):
+            spilled[place] = (
+                np.linalg.norm(middle - outside[place], axis=1) > RIM * half + 1.0
+            ).all() and cv2.pointPolygonTest(holder, outside[place].tolist(), measureDist=False) < 0
+    return Surroundings(shown & ~robot[:count], spilled)
+
+
+def _contrast(view: View, pixels: FloatArray) -> NDArray[np.float32]:
+    """Contrast (n,) at single pixels (n, 2) of the whole picture."""
+    here = Walk(np.zeros((len(pixels), 1)), np.ones(len(pixels)))
+    return contrast(view.picture, view.backdrop, pixels - view.corner, np.zeros_like(pixels), here)[:, 0]
+
+
+def _holder(camera: Camera, insertion_mm: float, radius_mm: float) -> NDArray[np.float32]:
+    """Corners (4, 2) in px of the strip where the holder stands."""
+    strip = BaseView.of(camera, insertion_mm).below(radius_mm, float(sum(camera.size_px)))
+    return np.asarray(Grid.of(camera.size_px).fine(strip), dtype=np.float32)
