@@ -9,6 +9,7 @@ import numpy as np
 
 from messaging.checked import FloatArray
 from messaging.frames import CameraCalibration
+from sensing.geometry.vectors import lengths
 
 
 class Camera:
@@ -54,4 +55,4 @@ class Camera:
             criteria=(cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 1e-9),
         ).reshape(-1, 2)
         directions = np.column_stack([ideal, np.ones(len(ideal))]) @ self.rotation
-        return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+        return np.asarray(directions / lengths(directions))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from messaging.checked import FloatArray
+from sensing.geometry.vectors import lengths
 
 DEGREE = 3
 CONTROL_POINTS = 14
@@ -53,7 +54,7 @@ def fit_points(points_mm: FloatArray, parameter: FloatArray) -> FloatArray:
 
 def arc_lengths(points_mm: FloatArray) -> FloatArray:
     """Distance (n,) from the first of points (n, 3) along the line through them (METHOD step 9)."""
-    steps = np.linalg.norm(np.diff(points_mm, axis=0), axis=1)
+    steps = lengths(points_mm[1:] - points_mm[:-1])[:, 0]
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from messaging.checked import FloatArray
 from sensing.geometry.camera import Camera
+from sensing.geometry.vectors import cross, inner, lengths
 
 
 def ray_gaps(first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray) -> FloatArray:
@@ -32,9 +33,10 @@ def triangulate(
 
 def signed_gaps(first: Camera, first_rays: FloatArray, second: Camera, second_rays: FloatArray) -> FloatArray:
     """Gaps (n,) in mm between paired rays, each (n, 3): positive where the second passes on the side of first x second."""
-    normal = np.cross(first_rays, second_rays)
-    length = np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
-    return np.asarray(normal @ (second.centre_mm - first.centre_mm) / length)
+    normal = cross(first_rays, second_rays)
+    return np.asarray(
+        normal @ (second.centre_mm - first.centre_mm) / np.maximum(lengths(normal)[:, 0], 1e-12)
+    )
 
 
 def epipolar_angles(first: Camera, second: Camera, points_mm: FloatArray, tangents: FloatArray) -> FloatArray:
@@ -42,10 +44,9 @@ def epipolar_angles(first: Camera, second: Camera, points_mm: FloatArray, tangen
 
     Where the angle is 0 the curve runs along the epipolar direction, and its depth cannot be told by pairing pixels.
     """
-    normals = np.cross(points_mm - first.centre_mm, points_mm - second.centre_mm)
-    sine = np.abs(np.einsum("ij,ij->i", normals, tangents))
-    size = np.linalg.norm(normals, axis=1) * np.linalg.norm(tangents, axis=1)
-    return np.asarray(np.arcsin(np.clip(sine / np.maximum(size, 1e-12), 0.0, 1.0)))
+    normals = cross(points_mm - first.centre_mm, points_mm - second.centre_mm)
+    size = np.maximum(lengths(normals) * lengths(tangents), 1e-12)
+    return np.asarray(np.arcsin(np.minimum(np.abs(inner(normals, tangents)) / size, 1.0))[:, 0])
 
 
 def best_pair(cameras: tuple[Camera, ...], towards_mm: FloatArray) -> tuple[Camera, Camera]:

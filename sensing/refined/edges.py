@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
+from sensing.geometry.vectors import median
 from sensing.pictures.light import Image
 
 SPACING_PX = 0.8
@@ -48,7 +49,7 @@ class EdgePair:
 class Walk:
     """Where brightness is read along n lines: at offsets (n, m) px from places of theirs, evenly `step` (n,) px apart."""
 
-    offsets: FloatArray
+    offsets: NDArray[np.float32]
     step: FloatArray
 
     @classmethod
@@ -57,14 +58,14 @@ class Walk:
         reach = 1.1 * half_widths + np.maximum(margin_px, LEAST_MARGIN_PX)
         half = _samples(reach)
         step = reach / half
-        return cls(np.multiply.outer(step, np.arange(-half, half + 1)), step)
+        return cls(np.multiply.outer(step, np.arange(-half, half + 1)).astype(np.float32), step)
 
     @classmethod
     def onwards(cls, reach_px: FloatArray) -> "Walk":
         """From a place as far as `reach_px` (n,); twice as dense, since lines onwards are few."""
         count = 2 * _samples(reach_px)
         step = reach_px / count
-        return cls(np.multiply.outer(step, np.arange(count + 1)), step)
+        return cls(np.multiply.outer(step, np.arange(count + 1)).astype(np.float32), step)
 
     def part(self, rows: slice) -> "Walk":
         """Some of the lines."""
@@ -82,9 +83,8 @@ def contrast(
 
     Places are (x, y) in px; between pixels it is bilinear, beyond the picture that of its rim.
     """
-    x, y = (
-        (start[:, axis, None] + walk.offsets * direction[:, axis, None]).astype(np.float32) for axis in (0, 1)
-    )
+    at, towards = start.astype(np.float32), direction.astype(np.float32)
+    x, y = (at[:, axis, None] + walk.offsets * towards[:, axis, None] for axis in (0, 1))
     seen, empty = (
         cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         for source in (picture, backdrop)
@@ -95,9 +95,9 @@ def contrast(
 def edge_pairs(profile: NDArray[np.float32], walk: Walk, half_widths: FloatArray) -> EdgePair:
     """The edges in contrast (n, m) along walks across tubes of these predicted half widths (n,) in px."""
     half = profile.shape[1] // 2
-    inside = np.abs(walk.offsets) < 0.5 * half_widths[:, None]
+    inside = np.abs(walk.offsets) < (0.5 * half_widths[:, None]).astype(np.float32)
     height = np.sum(profile * inside, axis=1) / np.maximum(np.count_nonzero(inside, axis=1), 1)
-    profile = profile * np.sign(height)[:, None]
+    profile = profile * np.sign(height[:, None]).astype(np.float32)
     outwards = np.concatenate([profile[:, half:], profile[:, half::-1]])
     blur = np.minimum(BLUR_PX, 0.25 * half_widths)
     distance, found = _edge(outwards, np.abs(height), walk.step, blur)
@@ -107,9 +107,9 @@ def edge_pairs(profile: NDArray[np.float32], walk: Walk, half_widths: FloatArray
 
 def ends(profile: NDArray[np.float32], walk: Walk) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Distances (n,) in px to the silhouette's end in contrast (n, m) along walks onwards, and which were seen."""
-    height = np.median(profile[:, : profile.shape[1] // 6], axis=1)
+    height = median(profile[:, : max(profile.shape[1] // 6, 1)])
     blur = np.full(len(profile), BLUR_PX)
-    distance, found = _edge(profile * np.sign(height)[:, None], np.abs(height), walk.step, blur)
+    distance, found = _edge(profile * np.sign(height[:, None]).astype(np.float32), np.abs(height), walk.step, blur)
     return distance, found & (np.abs(height) > LEAST_CONTRAST)
 
 
@@ -122,7 +122,7 @@ def _edge(
     """
     height, step, blur = (np.resize(each, len(profile)) for each in (height, step, blur))
     rows = np.arange(len(profile))
-    below = profile < 0.5 * height[:, None]
+    below = profile < (0.5 * height[:, None]).astype(np.float32)
     first = below.argmax(axis=1)
     last = profile.shape[1] - 1
     reach = np.maximum((blur / step).astype(int), 1)
@@ -130,7 +130,7 @@ def _edge(
     first = np.minimum(np.maximum(first, 1), last)
     columns = first[:, None] + np.multiply.outer(reach, [-2.0, -1.5, 1.5, 2.0]).astype(int)
     levels = profile[rows[:, None], np.minimum(np.maximum(columns, 0), last)]
-    level = levels.mean(axis=1)
+    level = levels.sum(axis=1) / levels.shape[1]
     # of the places nearby where the profile falls through this level, the one next to the first crossing
     window = np.minimum(np.maximum(first[:, None] + np.arange(-NEARBY, NEARBY + 1), 0), last)
     nearby = profile[rows[:, None], window]

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
+from sensing.geometry.vectors import lengths
 from sensing.pictures.light import Image
 from sensing.refined.edges import Walk, contrast, edge_pairs, ends
-from sensing.refined.tube import END_LINES, Curve, End, Sides, Tip, end, lengths, sides
+from sensing.refined.tube import END_LINES, Curve, End, Sides, Tip, end, sides
 
 LEAST_FORESHORTENING = 0.2
 """Below this sine between the tube and the sight the tube is seen end on: it has no edges and no end."""
@@ -36,10 +37,9 @@ class View:
     corner: FloatArray
 
     def shows(self, pixels: FloatArray) -> NDArray[np.bool_]:
-        """Which of pixels (..., 2) lie in the camera's picture."""
-        return np.asarray(
-            ((pixels >= 0) & (pixels <= np.array(self.camera.size_px) - 1)).all(axis=-1), dtype=np.bool_
-        )
+        """Which of pixels (n, 2) lie in the camera's picture."""
+        (x, y), (width, height) = pixels.T, self.camera.size_px
+        return np.asarray(((x >= 0) & (y >= 0) & (x <= width - 1) & (y <= height - 1)).T, dtype=np.bool_)
 
 
 @dataclass(frozen=True)

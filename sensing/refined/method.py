@@ -137,7 +137,7 @@ class Refined:
     ) -> Shape:
         stages: Stages | None = None if found is None else found.stages
         masks = {} if stages is None else {name: seen.mask for name, seen in stages.silhouettes.items()}
-        around = tuple(look_around(view, track, self.scene.holder_radius_mm) for view in views)
+        around = look_around(views, track, self.scene.holder_radius_mm)
         return Shape(
             centreline=FittedLine(fit),
             insertion_mm=prior.insertion_mm,

@@ -57,9 +57,10 @@ RIM, RIM_MM = 0.35, 0.8
 
 def residual_px(off: FloatArray) -> float:
     """RMS of residuals, without the worst tenth: dust and disks' rims are not the curve's. NaN without any."""
-    residuals = np.sort(np.abs(off))
-    kept = residuals[: max(int(0.9 * len(residuals)), 1)]
-    return float(np.sqrt(np.mean(kept**2))) if residuals.size else float("nan")
+    if not off.size:
+        return float("nan")
+    kept = np.sort(off * off)[: max(int(0.9 * off.size), 1)]
+    return float(np.sqrt(kept.sum() / kept.size))
 
 
 def worst_stretch_px(normals: Normals) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from messaging.checked import FloatArray
 from sensing.errors import RefusedError
 from sensing.geometry import curve
+from sensing.geometry.vectors import lengths, median
 from sensing.refined.measuring import Ends, Measurement, Normals, View, measure
 from sensing.refined.tube import Curve, Tip
 
@@ -176,7 +177,7 @@ def _expect(system: _System, prior: Prior, fitted: Curve) -> None:
     system.add(_BASE_ROWS, base - fitted.points_mm[0], np.full(3, BASE_MM**-2))
     velocity = fitted.velocity_mm
     system.add(_BASE_TANGENT_ROWS, -velocity[0, :2], np.full(2, (BASE_TANGENT * fitted.length_mm) ** -2))
-    speed = np.sqrt(np.einsum("ij,ij->i", velocity, velocity))
+    speed = lengths(velocity)[:, 0]
     longer = -speed[:, None] / fitted.length_mm**2
     rows = _point_rows(curve.VELOCITY, velocity / (speed * fitted.length_mm)[:, None], longer)
     system.add(rows, 1 - speed / fitted.length_mm, np.full(len(speed), SPEED**-2))
@@ -191,7 +192,7 @@ def _listen(system: _System, seen: Measurement) -> None:
     """What the cameras say; what is off by more than most of a camera's normals loses weight."""
     normals, ends = seen.normals, seen.ends
     off = np.abs(normals.residual_px)
-    typical = np.array([np.median(o[v]) if v.any() else 0.0 for o, v in zip(off, normals.valid, strict=True)])
+    typical = np.array([median(o[v]) if v.any() else 0.0 for o, v in zip(off, normals.valid, strict=True)])
     scale = np.maximum(2.0 * typical, 2 * EDGE_PX)[:, None]
     weights = np.where(normals.valid, normals.clearness * EDGE_PX**-2 / (1 + (off / scale) ** 2), 0.0)
     for camera, weight in enumerate(weights):

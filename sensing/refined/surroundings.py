@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
+from sensing.geometry.vectors import lengths, median
 from sensing.pictures.grid import Grid
 from sensing.pictures.segmentation import BaseView
 from sensing.refined.edges import LEAST_CONTRAST, Walk, contrast
@@ -43,13 +44,21 @@ class Surroundings:
     spilled: NDArray[np.bool_]
 
 
-def look_around(view: View, track: Track, holder_radius_mm: float) -> Surroundings:
-    """What a camera sees in and around a fitted tube; the holder below the base does not count."""
+def look_around(views: tuple[View, ...], track: Track, holder_radius_mm: float) -> tuple[Surroundings, ...]:
+    """What each camera sees in and around a fitted tube; the holder below the base does not count."""
+    edges = sides(np.array([view.camera.centre_mm for view in views]), track.curve)
+    places = np.concatenate([edges.one, edges.other], axis=1)
+    return tuple(
+        _seen(view, view.camera.project(there), track, holder_radius_mm)
+        for view, there in zip(views, places, strict=True)
+    )
+
+
+def _seen(view: View, edges_px: FloatArray, track: Track, holder_radius_mm: float) -> Surroundings:
     fitted, count = track.curve, curve.SAMPLES
-    edges = sides(view.camera.centre_mm[None], fitted)
-    pixels = view.camera.project(np.concatenate([edges.one[0], edges.other[0]]))
-    middle, across = (pixels[:count] + pixels[count:]) / 2, (pixels[:count] - pixels[count:]) / 2
-    half = np.sqrt(np.einsum("ij,ij->i", across, across))
+    one, other = edges_px[:count], edges_px[count:]
+    middle, across = (one + other) / 2, (one - other) / 2
+    half = lengths(across)[:, 0]
     away = RIM + CLEAR_MM / fitted.radius_mm
     beside = away[:, None] * across
     outside = np.concatenate(
@@ -57,22 +66,22 @@ def look_around(view: View, track: Track, holder_radius_mm: float) -> Surroundin
     )
     difference = _contrast(view, np.concatenate([middle, outside]))
     shown = view.shows(middle)
-    typical = float(np.median(difference[:count][shown])) if shown.any() else 0.0
+    typical = float(median(difference[:count][shown])) if shown.any() else 0.0
     robot = np.sign(typical) * difference > max(SHARE_OF_CONTRAST * abs(typical), LEAST_CONTRAST)
     spilled = robot[count:]
     spilled[: 2 * count] &= np.tile(curve.PARAMETER * fitted.length_mm > AT_BASE_MM, 2)
+    for place in np.flatnonzero(spilled):
+        spilled[place] = (lengths(middle - outside[place])[:, 0] > RIM * half + 1.0).all()
     if spilled.any():
         holder = _holder(view.camera, track.insertion_mm, holder_radius_mm)
         for place in np.flatnonzero(spilled):
-            spilled[place] = (
-                np.linalg.norm(middle - outside[place], axis=1) > RIM * half + 1.0
-            ).all() and cv2.pointPolygonTest(holder, outside[place].tolist(), measureDist=False) < 0
+            spilled[place] = cv2.pointPolygonTest(holder, outside[place].tolist(), measureDist=False) < 0
     return Surroundings(shown & ~robot[:count], spilled)
 
 
 def _contrast(view: View, pixels: FloatArray) -> NDArray[np.float32]:
     """Contrast (n,) at single pixels (n, 2) of the whole picture."""
-    here = Walk(np.zeros((len(pixels), 1)), np.ones(len(pixels)))
+    here = Walk(np.zeros((len(pixels), 1), np.float32), np.ones(len(pixels)))
     return contrast(view.picture, view.backdrop, pixels - view.corner, np.zeros_like(pixels), here)[:, 0]
 
 

@@ -89,7 +89,7 @@ def test_integer_coordinates_are_pixel_centres():
     picture = np.full((40, 60), 200, np.uint8)
     picture[20, 30] = 10
     at = np.array([[30.0, 20.0], [30.5, 20.0], [31.0, 20.0]])
-    here = Walk(np.zeros((3, 1)), np.ones(3))
+    here = Walk(np.zeros((3, 1), np.float32), np.ones(3))
     seen = contrast(picture, np.full_like(picture, 200), at, np.zeros_like(at), here)[:, 0]
     full = LINEAR[200] - LINEAR[10]
     assert seen[0] == pytest.approx(full)
