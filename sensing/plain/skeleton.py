@@ -13,7 +13,7 @@ import numpy as np
 
 from messaging.checked import FloatArray
 from sensing.pictures.segmentation import Mask
-from sensing.refined.thinning import thinned
+from sensing.pictures.thinning import thinned
 
 CORE_SHARE = 0.5
 """How deep in the silhouette, in half widths, its skeleton lies at least."""

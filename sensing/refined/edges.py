@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from messaging.checked import FloatArray
 from sensing.geometry.vectors import median
-from sensing.pictures.light import Image
+from sensing.pictures.light import LINEAR, Image
 
 SPACING_PX = 0.8
 """Along normals brightness is read at least as densely as this."""
@@ -28,12 +28,8 @@ BLUR_PX = 2.5
 NEARBY = 6
 """The local half height is met within so many samples of the first crossing."""
 
-_CODE = np.arange(256) / 255.0
-LINEAR: NDArray[np.float32] = np.float32(255.0) * np.where(
-    _CODE <= 0.04045, _CODE / 12.92, ((_CODE + 0.055) / 1.055) ** 2.4
-).astype(np.float32)
-"""Linear light of each 8-bit level (sRGB, IEC 61966-2-1): a lens mixes light, not levels, so half an edge's height is
-half of its light."""
+_LIGHT = LINEAR.astype(np.float32)
+"""Linear light of each level: a lens mixes light, not levels, so half an edge's height is half of its light."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ def contrast(
         cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         for source in (picture, backdrop)
     )
-    return np.asarray(LINEAR[empty] - LINEAR[seen])
+    return np.asarray(_LIGHT[empty] - _LIGHT[seen])
 
 
 def edge_pairs(profile: NDArray[np.float32], walk: Walk, half_widths: FloatArray) -> EdgePair:
@@ -109,7 +105,9 @@ def ends(profile: NDArray[np.float32], walk: Walk) -> tuple[FloatArray, NDArray[
     """Distances (n,) in px to the silhouette's end in contrast (n, m) along walks onwards, and which were seen."""
     height = median(profile[:, : max(profile.shape[1] // 6, 1)])
     blur = np.full(len(profile), BLUR_PX)
-    distance, found = _edge(profile * np.sign(height[:, None]).astype(np.float32), np.abs(height), walk.step, blur)
+    distance, found = _edge(
+        profile * np.sign(height[:, None]).astype(np.float32), np.abs(height), walk.step, blur
+    )
     return distance, found & (np.abs(height) > LEAST_CONTRAST)
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from messaging.checked import FloatArray
 from sensing.pictures.grid import Grid
 from sensing.pictures.segmentation import Mask
+from sensing.pictures.thinning import thinned
 from sensing.refined.network import Arc, network
-from sensing.refined.thinning import thinned
 
 THIN_PX = 4.0
 """Masks are thinned at a size at which the tube's half width is about this."""

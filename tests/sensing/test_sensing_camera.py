@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from drivers.simulated.cameras.rig import default_cameras
 from messaging.frames import CameraCalibration
 from sensing.geometry.camera import Camera
-from sensing.refined.edges import LINEAR, Walk, contrast
+from sensing.pictures.light import LINEAR
+from sensing.refined.edges import Walk, contrast
 
 RIG = default_cameras()
 coordinate = st.floats(-60, 60)

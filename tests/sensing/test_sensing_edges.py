@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from sensing.refined.edges import LINEAR, Walk, contrast, edge_pairs, ends
+from sensing.pictures.light import LINEAR
+from sensing.refined.edges import Walk, contrast, edge_pairs, ends
 
 HEIGHT, WIDTH = 120, 200
 MIDDLE = np.array([100.0, 60.0])
