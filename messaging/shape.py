@@ -19,9 +19,9 @@ class Flag(StrEnum):
     EPIPOLAR_TANGENCY = "epipolar_tangency"
     """A stretch runs along the epipolar direction, so its depth rests on smoothness and length."""
     MERGED_SILHOUETTE = "merged_silhouette"
-    """The robot covers itself in a view."""
+    """A camera sees robot where the fitted tube is not: it covers itself, something touches it, or the fit went astray."""
     TIP_UNSEEN = "tip_unseen"
-    """No camera sees where the robot ends."""
+    """Fewer than two cameras see where the robot ends, or its end looks like no tip."""
     LENGTH_MISMATCH = "length_mismatch"
     """The measured length is not the robot's."""
     LARGE_RESIDUAL = "large_residual"
@@ -45,12 +45,14 @@ class ShapeEstimate(Message):
     """The robot's shape in one frame set; with a `refusal`, every array is empty and the reason is in words.
 
     `method` is the way it was found. `arc_mm` is the distance from the base along `centreline_mm`, `epipolar_angle_rad`
-    the centreline's angle there to the epipolar direction of the two cameras that tell most: at 0 its depth rests on
-    what is known beforehand. `length_mm` is measured, `known_length_mm` what the robot should have (0: not known),
-    `visible_mm` the length that each camera sees, `camera_residual_px` the RMS distance between the reprojected centreline
-    and that camera's midline, `residual_px` over all of them. `ray_gap_mm` is the mean gap between paired rays, `ray_bias_mm` the part of it that is the
-    same all along; `insertion_mm` the height of the base along +Z. `capture_time_ns` is Unix time; `capture_to_publish_ns` is measured on one
-    monotonic clock, so a receiver can judge age without trusting another host's clock.
+    the centreline's angle at each of these points to the epipolar direction of the two cameras that tell most: at 0 its
+    depth rests on what is known beforehand. `length_mm` is measured, `known_length_mm` what the robot should have (0: not
+    known), `visible_mm` the length that each camera sees, `camera_residual_px` the RMS distance between the reprojected
+    centreline and that camera's midline, `residual_px` over all of them. `ray_gap_mm` is the mean gap between paired
+    rays, `ray_bias_mm` by how much one camera's picture seems to lie elsewhere than its calibration says; `insertion_mm`
+    the height of the base along +Z. `capture_time_ns` is Unix time; `capture_to_publish_ns` is measured on one monotonic
+    clock, so a receiver can judge age without trusting another host's clock. Recordings of older versions hold no method,
+    no angles, and nothing by camera.
     """
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.ShapeEstimate
@@ -63,7 +65,7 @@ class ShapeEstimate(Message):
     flags: tuple[str, ...] = items("flag")
     arc_mm: FloatArray = array("point")
     centreline_mm: FloatArray = array("point", 3)
-    epipolar_angle_rad: FloatArray = array("point")
+    epipolar_angle_rad: FloatArray = array("angle")
     node_names: tuple[str, ...] = items("node")
     node_arc_mm: FloatArray = array("node")
     node_mm: FloatArray = array("node", 3)

@@ -55,8 +55,8 @@ class Evidence:
 
     `residual_px` and `visible_mm` are by camera: the RMS distance between the reprojected centreline and the measured
     midline, and the length along which it was measured. `ray_gap_mm` is the mean gap between paired rays, `ray_bias_mm`
-    by how much the rays of one camera seem to pass all others systematically. `epipolar_angle_rad` (n,) is the angle to the epipolar direction of the
-    two cameras that see the point best.
+    by how much one camera's picture seems to lie elsewhere than its calibration says. `epipolar_angle_rad` (n,) is the
+    angle to the epipolar direction of the two cameras that see the point best.
     """
 
     residual_px: Mapping[str, float]
