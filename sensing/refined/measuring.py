@@ -13,14 +13,16 @@ from sensing.pictures.light import Image
 from sensing.refined.edges import Walk, contrast, edge_pairs, ends
 from sensing.refined.tube import END_LINES, Curve, End, Sides, Tip, end, sides
 
-LEAST_FORESHORTENING = 0.2
-"""Below this sine between the tube and the sight the tube is seen end on: it has no edges and no end."""
-CLEAR_FORESHORTENING = 0.5
+LEAST_FORESHORTENING = 0.3
+"""Below this sine between the tube and the sight the tube is seen nearly end on: what looks like its edges is not."""
+CLEAR_FORESHORTENING = 0.7
 """Below this sine parts of the tube begin to hide one another, and edges lose weight."""
 WIDTHS = 0.7, 1.45
 """A tube may be this much thinner or, with its disks, thicker than predicted."""
 MARGIN_MM = 1.8
 """How far beyond the predicted edges normals reach."""
+LEAST_END_FORESHORTENING = 0.2
+"""Below this sine the tube hides its own end, or shows nothing else."""
 END_MARGIN_MM = 3.2
 LEAST_END_MARGIN_PX = 10.0
 LEAST_REACH_PX = 2.0
@@ -185,7 +187,7 @@ def _measure_ends(views: tuple[View, ...], beyond: End, pixels: list[_Projected]
     distance, found = ends(profile, walk)
     seen = (
         found.reshape(reach.shape).all(axis=1)
-        & (beyond.foreshortening >= LEAST_FORESHORTENING)
+        & (beyond.foreshortening >= LEAST_END_FORESHORTENING)
         & (reach.min(axis=1) >= LEAST_REACH_PX)
     )
     residual = np.where(seen[:, None], distance.reshape(reach.shape) - reach, 0.0)
