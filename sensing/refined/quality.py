@@ -29,7 +29,7 @@ LEAST_EXPLAINED = 0.6
 """The share of normals at which both edges must be found, in every camera."""
 GAP_STRIDE = 3
 LARGE_RAY_GAP_MM = 0.4
-LARGE_SPREAD_MM = 0.6
+LARGE_SPREAD_MM = 0.5
 """A nodal point whose standard deviation in its worst direction is larger rests on more than the pictures."""
 JUDGED_POINTS = curve.basis(np.linspace(0.1, 1.0, 10))
 LENGTH_TOLERANCE_MM = 0.6

@@ -23,6 +23,8 @@ EDGE_PX = 0.25
 END_PX = 0.5
 OUTLINE_PX = 0.2
 UNSEEN_END = 25.0
+VARIANCE_SHARE = 0.7
+"""The deviations above are larger than what is seen, so that the fit is stiff; this share of its variance is."""
 BASE_MM = 0.02
 BASE_TANGENT = 0.01
 SPEED = 0.004
@@ -83,7 +85,7 @@ class Fit:
 
     def covariance_mm2(self, basis: FloatArray) -> FloatArray:
         """Covariances (k, 3, 3) of the curve's points at these rows (k, CONTROL_POINTS) of the basis."""
-        points = self.covariance[:-1, :-1].reshape(curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3)
+        points = VARIANCE_SHARE * self.covariance[:-1, :-1].reshape(curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3)
         covariance = np.einsum("kaij,ka->kij", np.einsum("kb,aibj->kaij", basis, points), basis)
         return np.asarray((covariance + np.swapaxes(covariance, 1, 2)) / 2)
 
