@@ -76,7 +76,7 @@ def begin_part(path: Path, settings: RecorderSettings, beginning: Beginning, now
     part = RecordingWriter(path, settings)
     for name, data in beginning.attachments.items():
         part.attach(name, data, now_ns)
-    part.describe("VERSIONS", _versions())
+    part.describe("VERSIONS", versions())
     part.describe("PART", beginning.facts())
     for heard in beginning.newest:
         write_heard(part, heard, now_ns)
@@ -97,7 +97,8 @@ def write_heard(part: RecordingWriter, heard: Heard, log_time_ns: int) -> None:
 
 
 @cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """What wrote a recording: the interpreter, the machine, and the packages that its numbers depend on."""
     return {
         "python": platform.python_version(),
         "machine": platform.machine(),

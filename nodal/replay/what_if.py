@@ -29,6 +29,7 @@ from nodal.replay.typed import read
 from nodal.replay.verification import Verdict
 from nodal.toml_file import Table
 from recordings.log import Log
+from recordings.part import versions
 from recordings.reader import Recorded, topic_of
 from recordings.writer import RecordingWriter
 
@@ -89,6 +90,7 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
         began_ns = first.log_time_ns if first else 0
         for name, data in bench.attachments().items():
             recording.attach(name, data, began_ns)
+        recording.describe("VERSIONS", versions())
         recording.describe(NOTE, {"of": path.name, "nodal": version("nodal"), "set": _text(changes)})
         last_ns = began_ns
         for recorded in log.messages():

@@ -53,7 +53,7 @@ def test_a_camera_has_columns_under_its_name(exported, made):
         ]
         assert said == (["", "", "", ""] if shape.refusal else ["0.1", "0.25", "80.0", "61.5"])
         assert (row["method"], row["known_length_mm"], row["ray_bias_mm"]) == ("refined", "80.0", "0.0")
-        assert row["epipolar_angle_rad.point1"] == ("" if shape.refusal else "1.0")
+        assert row["epipolar_angle_rad.angle1"] == ("" if shape.refusal else "1.0")
 
 
 def test_times_are_in_seconds_from_the_beginning_and_in_unix_ns(exported, made):
