@@ -37,13 +37,9 @@ def step(method: Method, inputs: SetInputs, before: Track | None, clocks: Clocks
 
     A camera without a picture that can be used is left out while two others have one; the estimate is flagged then.
     """
-    lost = {
-        camera.name: f"camera {camera.name}: no frame in this set"
-        for camera in method.scene.cameras
-        if camera.name not in inputs.jpegs
-    }
+    lost: dict[str, str] = {}
     try:
-        shape = _seen_by_the_rest(method, inputs, before, clocks, lost)
+        shape = seen_by_the_rest(method, inputs, before, clocks, lost)
         message = estimate_message(shape, inputs, method, clocks.age_ns())
     except SensingError as error:
         # a picture that cannot be used says nothing of where the robot is
@@ -52,10 +48,13 @@ def step(method: Method, inputs: SetInputs, before: Track | None, clocks: Clocks
     return Outcome(message, shape.track, lost)
 
 
-def _seen_by_the_rest(
+def seen_by_the_rest(
     method: Method, inputs: SetInputs, before: Track | None, clocks: Clocks, lost: dict[str, str]
 ) -> Shape:
-    """The shape as the cameras see it that are not lost; `lost` grows by those whose pictures cannot be used."""
+    """The shape as the cameras see it that are not lost; those without a picture that can be used are put into `lost`."""
+    for camera in method.scene.cameras:
+        if camera.name not in inputs.jpegs:
+            lost[camera.name] = f"camera {camera.name}: no frame in this set"
     pictures: dict[str, Picture] = {}
     while True:
         left = method.without(lost) if lost else method

@@ -13,15 +13,20 @@ from benchmarks.degradations.motions import Mover
 from benchmarks.degradations.optics import untouched
 from benchmarks.degradations.scenery import Bench
 from benchmarks.poses import NODES_MM, Array, true_nodes
+from messaging.shape import NodalPoints
 from sensing.errors import SensingError
 from sensing.method import METHODS, Method
 from sensing.refined.track import Track
+from sensing.set_inputs import SetInputs
 from sensing.settings import MethodName
 from sensing.shape import Shape
+from sensing.step import Clocks, seen_by_the_rest
 
 SILENT_MM = 1.0
 """An estimate without a flag of which a nodal point is off by more is a silent error."""
 WARM_FRAMES = 3
+POINTS = NodalPoints(names=tuple(f"{arc:g}" for arc in NODES_MM), arc_mm=NODES_MM)
+CLOCKS = Clocks(stage_s=time.perf_counter, age_ns=lambda: 0)
 INSIDE = float(chi2(3).ppf(0.95))
 """The squared Mahalanobis distance of the 95 % ellipsoid."""
 LEAST_VARIANCE_MM2 = 1e-12
@@ -130,8 +135,10 @@ def _judged(
 
 
 def _estimate(method: Method, pictures: Mapping[str, bytes], track: Track | None) -> Shape:
-    decoded_late = {name: method.scene.picture(name, data) for name, data in pictures.items()}
-    return method.estimate(decoded_late, 0.0, track, time.perf_counter)
+    inputs = SetInputs(
+        jpegs=pictures, sequence=0, capture_time_ns=0, insertion_mm=0.0, base_known=True, points=POINTS
+    )
+    return seen_by_the_rest(method, inputs, track, CLOCKS, {})
 
 
 @lru_cache(maxsize=32)

@@ -85,7 +85,9 @@ class Fit:
 
     def covariance_mm2(self, basis: FloatArray) -> FloatArray:
         """Covariances (k, 3, 3) of the curve's points at these rows (k, CONTROL_POINTS) of the basis."""
-        points = VARIANCE_SHARE * self.covariance[:-1, :-1].reshape(curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3)
+        points = VARIANCE_SHARE * self.covariance[:-1, :-1].reshape(
+            curve.CONTROL_POINTS, 3, curve.CONTROL_POINTS, 3
+        )
         covariance = np.einsum("kaij,ka->kij", np.einsum("kb,aibj->kaij", basis, points), basis)
         return np.asarray((covariance + np.swapaxes(covariance, 1, 2)) / 2)
 
