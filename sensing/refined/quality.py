@@ -37,7 +37,7 @@ END_TOLERANCE_MM = 0.2
 """By how much the silhouette's end may lie elsewhere than the tip's outline: good fits agree to a third of this."""
 OUTLINE_TOLERANCE_PX = 1.5
 """How uneven the end's outline may be: neither tip's form is like that, something hides or touches it."""
-SHIFT_TOLERANCE_MM, SHIFT_TOLERANCE_PX = 0.12, 0.95
+SHIFT_TOLERANCE_MM, SHIFT_TOLERANCE_PX = 0.10, 0.90
 """By how much one camera's picture may seem to lie elsewhere than its calibration says; the larger of both counts."""
 LEAST_ENDS = 2
 """So many cameras must see the end: what one sees of it says nothing along its line of sight."""
