@@ -28,6 +28,9 @@ CLEAR_MM = 1.0
 RING: FloatArray = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 SHARE_OF_CONTRAST = 0.45
 """What differs from the backdrop by this share of what the tube typically does is robot."""
+SHARE_AT_BASE = 0.3
+"""And by this share of what it does where it leaves its base: there the robot is, wherever the rest of the tube lies."""
+BASE_SAMPLES = slice(curve.SAMPLES // 25, curve.SAMPLES // 8)
 AT_BASE_MM = 5.0
 """So near to its base a tube's surroundings may show the holder."""
 _AROUND_END = np.column_stack([np.cos(RING), np.sin(RING)])
@@ -67,7 +70,9 @@ def _seen(view: View, edges_px: FloatArray, track: Track, holder_radius_mm: floa
     difference = _contrast(view, np.concatenate([middle, outside]))
     shown = view.shows(middle)
     typical = float(median(difference[:count][shown])) if shown.any() else 0.0
-    robot = np.sign(typical) * difference > max(SHARE_OF_CONTRAST * abs(typical), LEAST_CONTRAST)
+    at_base = float(median(difference[:count][BASE_SAMPLES]))
+    level = max(SHARE_OF_CONTRAST * abs(typical), SHARE_AT_BASE * abs(at_base), LEAST_CONTRAST)
+    robot = np.sign(typical if abs(typical) > level else at_base) * difference > level
     spilled = robot[count:]
     spilled[: 2 * count] &= np.tile(curve.PARAMETER * fitted.length_mm > AT_BASE_MM, 2)
     for place in np.flatnonzero(spilled):
