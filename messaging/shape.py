@@ -31,7 +31,7 @@ class Flag(StrEnum):
     CALIBRATION_OFF = "calibration_off"
     """The cameras contradict one another in a systematic way: one was moved, or the calibration is off."""
     OUT_OF_VIEW = "out_of_view"
-    """A part of the robot lies outside of a camera's picture or work area."""
+    """A part of the robot lies outside of a camera's picture."""
     HIDDEN = "hidden"
     """Something hides a part of the robot from a camera."""
     CAMERA_LOST = "camera_lost"
