@@ -1,7 +1,7 @@
 """The ways to a shape, behind one interface."""
 
-from collections.abc import Callable, Collection, Mapping
-from typing import ClassVar, Protocol, Self
+from collections.abc import Callable, Mapping
+from typing import ClassVar, Protocol
 
 from messaging.frames import CameraCalibration
 from messaging.settings import RobotSettings
@@ -24,9 +24,6 @@ class Method(Protocol):
     @property
     def scene(self) -> Scene:
         """What does not change from frame to frame."""
-
-    def without(self, cameras: Collection[str]) -> Self:
-        """The same method for the scene's other cameras."""
 
     def estimate(
         self,

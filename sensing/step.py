@@ -57,7 +57,7 @@ def seen_by_the_rest(
             lost[camera.name] = f"camera {camera.name}: no frame in this set"
     pictures: dict[str, Picture] = {}
     while True:
-        left = method.without(lost) if lost else method
+        left = type(method)(method.scene.without(lost)) if lost else method
         names = [camera.name for camera in left.scene.cameras]
         if len(names) < LEAST_CAMERAS:
             raise RefusedError(f"{'; '.join(lost.values())}; two cameras at least must see the robot")

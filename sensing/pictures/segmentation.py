@@ -56,7 +56,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class BaseView:
-    """Where a camera sees the base: in detection pixels, the base's place, the direction of +Z and the scale."""
+    """Where a camera sees the base: in pixels of a grid, the base's place, the axis above it, +Z's direction and the scale."""
 
     pixel: FloatArray
     axis_pixels: FloatArray
@@ -64,11 +64,11 @@ class BaseView:
     px_per_mm: float
 
     @classmethod
-    def of(cls, camera: Camera, insertion_mm: float) -> "BaseView":
-        """The base at this insertion."""
+    def of(cls, camera: Camera, insertion_mm: float, grid: Grid | None = None) -> "BaseView":
+        """The base at this insertion, in detection pixels if no other grid is given."""
         heights = np.concatenate([[0.0], AXIS_MM]) + insertion_mm
         places = np.column_stack([0 * heights, 0 * heights, heights])
-        pixels = Grid.of(camera.size_px).coarse(camera.project(places))
+        pixels = (grid or Grid.of(camera.size_px)).coarse(camera.project(places))
         along = pixels[-1] - pixels[0]
         length = float(np.linalg.norm(along))
         return cls(pixels[0], pixels[1:], along / length, length / AXIS_MM[-1])
@@ -79,27 +79,40 @@ class BaseView:
         down = -depth_px * self.up
         return np.asarray(self.pixel + np.array([across, across + down, down - across, -across]))
 
+    def axis_in(self, name: str, shape: tuple[int, ...]) -> Places:
+        """The axis' pixels in a camera's picture (h, w); raises RefusedError when none lies in it."""
+        columns, rows = self.axis_pixels.round().astype(int).T
+        inside = (columns >= 0) & (columns < shape[1]) & (rows >= 0) & (rows < shape[0])
+        if not inside.any():
+            raise RefusedError(f"camera {name}: the robot's base is outside the picture")
+        return rows[inside], columns[inside]
 
-def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limits: Limits) -> Mask:
-    """The robot's pixels (255) in a picture (h, w, 3) in detection pixels; raises RefusedError when there is no robot."""
-    columns, rows = base.axis_pixels.round().astype(int).T
-    inside = (columns >= 0) & (columns < small.shape[1]) & (rows >= 0) & (rows < small.shape[0])
-    if not inside.any():
-        raise RefusedError(f"camera {name}: the robot's base is outside the picture")
-    window = _searched(small.shape, base, limits)
-    top, left = window[0].start, window[1].start
-    at_base = rows[inside] - top, columns[inside] - left
-    distance = backdrop.distance(small[window], window)
-    if limits.work_area is not None:
-        distance[work_area_mask(limits.work_area, backdrop.grid)[window] == 0] = 0.0
-    noise = noise_level(distance)
-    contrast = float(np.median(distance[at_base]))
-    threshold = limits.threshold or max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
+
+def threshold_at_base(name: str, contrast: float, noise: float, given: float | None) -> float:
+    """Equation 1's T in levels: the given one, or one between noise and the contrast where the robot leaves its base.
+
+    Raises RefusedError when the robot does not stand out from the backdrop there.
+    """
+    threshold = given or max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
     if contrast <= threshold:
         raise RefusedError(
             f"camera {name}: nothing stands out from the backdrop where the robot leaves its base "
             f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {threshold:.0f})"
         )
+    return threshold
+
+
+def robot_mask(name: str, small: Image, backdrop: Backdrop, base: BaseView, limits: Limits) -> Mask:
+    """The robot's pixels (255) in a picture (h, w, 3) in detection pixels; raises RefusedError when there is no robot."""
+    rows, columns = base.axis_in(name, small.shape)
+    window = _searched(small.shape, base, limits)
+    top, left = window[0].start, window[1].start
+    at_base = rows - top, columns - left
+    distance = backdrop.distance(small[window], window)
+    if limits.work_area is not None:
+        distance[work_area_mask(limits.work_area, backdrop.grid)[window] == 0] = 0.0
+    noise = noise_level(distance)
+    threshold = threshold_at_base(name, float(np.median(distance[at_base])), noise, limits.threshold)
     mask = (distance > threshold).view(np.uint8) * np.uint8(255)
     holder = base.below(limits.holder_radius_mm, sum(mask.shape)) - (left, top)
     cv2.fillConvexPoly(mask, np.rint(holder * 16).astype(np.int32), 0, shift=4)

@@ -1,17 +1,18 @@
 """The paper's steps one after another."""
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import best_pair
+from sensing.pictures.grid import Grid
 from sensing.pictures.picture import Picture
-from sensing.pictures.segmentation import Mask
+from sensing.pictures.segmentation import BaseView, Mask
 from sensing.plain.judging import judge
-from sensing.plain.silhouette import BaseSight, reaches_rim, silhouette
+from sensing.plain.silhouette import reaches_rim, silhouette
 from sensing.plain.skeleton import skeleton
 from sensing.plain.trace import traced
 from sensing.refined.track import Track
@@ -29,10 +30,6 @@ class Plain:
 
     scene: Scene
 
-    def without(self, cameras: Collection[str]) -> Self:
-        """The same method for the scene's other cameras."""
-        return replace(self, scene=self.scene.without(cameras))
-
     def estimate(
         self,
         pictures: Mapping[str, Picture],
@@ -46,7 +43,9 @@ class Plain:
         for camera in cameras:
             _ = pictures[camera.name].colour
         watch.lap("decode")
-        bases = {camera.name: BaseSight.of(camera, insertion_mm) for camera in cameras}
+        bases = {
+            camera.name: BaseView.of(camera, insertion_mm, Grid(camera.size_px, 1)) for camera in cameras
+        }
         masks = {
             camera.name: self._mask(camera, pictures[camera.name], bases[camera.name]) for camera in cameras
         }
@@ -72,7 +71,7 @@ class Plain:
             stage_s=watch.laps,
         )
 
-    def _mask(self, camera: Camera, picture: Picture, base: BaseSight) -> Mask:
+    def _mask(self, camera: Camera, picture: Picture, base: BaseView) -> Mask:
         return silhouette(
             camera,
             picture.colour,

@@ -4,8 +4,6 @@ Equation 1, area opening, morphological closing; then the part that is joined to
 often in one piece with the robot: the base's known place and direction say where the robot begins.
 """
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +13,7 @@ from sensing.errors import RefusedError
 from sensing.geometry.camera import Camera
 from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
-from sensing.pictures.segmentation import (
-    AXIS_MM,
-    CONTRAST_SHARE,
-    LEAST_DISTANCE,
-    NOISE_FACTOR,
-    SMALLEST_ROBOT_MM2,
-    Mask,
-)
+from sensing.pictures.segmentation import SMALLEST_ROBOT_MM2, BaseView, Mask, Places, threshold_at_base
 from sensing.pictures.work_area import work_area_mask
 
 NOISE_STRIDE = 4
@@ -30,29 +21,6 @@ CLOSING_MM = 1.2
 """Closing fills gaps that are narrower."""
 LARGEST_SHARE = 0.5
 """Where more of a picture stands out, backdrop or threshold are wrong."""
-
-
-@dataclass(frozen=True)
-class BaseSight:
-    """Where a camera sees the base: its pixel (2,), pixels (n, 2) of the axis above it, and what a millimetre is there."""
-
-    pixel: FloatArray
-    axis: NDArray[np.int_]
-    up: FloatArray
-    px_per_mm: float
-
-    @classmethod
-    def of(cls, camera: Camera, insertion_mm: float) -> "BaseSight":
-        """The base at this insertion; raises RefusedError when it is not in the picture."""
-        heights = insertion_mm + np.concatenate([[0.0], AXIS_MM])
-        pixels = camera.project(np.column_stack([0 * heights, 0 * heights, heights]))
-        along = pixels[-1] - pixels[0]
-        length = float(np.linalg.norm(along))
-        inside = np.all((pixels > -0.5) & (pixels < np.array(camera.size_px) - 0.5), axis=1)
-        if not inside[1:].any():
-            raise RefusedError(f"camera {camera.name}: the robot's base is outside the picture")
-        axis = pixels[1:][inside[1:]].round().astype(int)
-        return cls(pixels[0], axis, along / length, length / AXIS_MM[-1])
 
 
 def colour_distance(picture: Image, backdrop: Image) -> NDArray[np.float32]:
@@ -78,18 +46,16 @@ def closed(mask: Mask, reach_px: int) -> Mask:
     return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disk), dtype=np.uint8)
 
 
-def without_holder(mask: Mask, base: BaseSight, radius_mm: float) -> Mask:
+def without_holder(mask: Mask, base: BaseView, radius_mm: float) -> Mask:
     """The mask without what lies below the base and within this distance of its axis."""
-    across = np.array([-base.up[1], base.up[0]]) * radius_mm * base.px_per_mm
-    down = -base.up * sum(mask.shape)
-    corners = base.pixel + np.array([across, across + down, down - across, -across])
-    return np.asarray(cv2.fillConvexPoly(mask.copy(), corners.round().astype(np.int32), 0))
+    strip = base.below(radius_mm, sum(mask.shape))
+    return np.asarray(cv2.fillConvexPoly(mask.copy(), strip.round().astype(np.int32), 0))
 
 
-def joined_to_base(mask: Mask, base: BaseSight) -> Mask:
+def joined_to_base(mask: Mask, at_base: Places) -> Mask:
     """The one part of the mask that covers most of the axis above the base; all 0 where none does."""
     _, labels = cv2.connectedComponents(mask, connectivity=8)
-    touched = labels[base.axis[:, 1], base.axis[:, 0]]
+    touched = labels[at_base]
     touched = touched[touched > 0]
     if not touched.size:
         return np.zeros_like(mask)
@@ -100,7 +66,7 @@ def silhouette(
     camera: Camera,
     picture: Image,
     backdrop: Image,
-    base: BaseSight,
+    base: BaseView,
     *,
     holder_radius_mm: float,
     work_area: FloatArray | None,
@@ -111,15 +77,11 @@ def silhouette(
     `work_area` is a polygon (n, 2) in px, or None for the whole picture; `threshold` is equation 1's T in levels, or None
     for one that follows from noise and contrast.
     """
+    at_base = base.axis_in(camera.name, picture.shape)
     square = colour_distance(picture, backdrop)
     noise = float(np.sqrt(np.median(square[::NOISE_STRIDE, ::NOISE_STRIDE])))
-    contrast = float(np.sqrt(np.median(square[base.axis[:, 1], base.axis[:, 0]])))
-    levels = threshold or max(LEAST_DISTANCE, NOISE_FACTOR * noise, CONTRAST_SHARE * contrast)
-    if contrast <= levels:
-        raise RefusedError(
-            f"camera {camera.name}: nothing stands out from the backdrop where the robot leaves its base "
-            f"(colour distance {contrast:.0f}, backdrop {noise:.0f}, threshold {levels:.0f})"
-        )
+    contrast = float(np.sqrt(np.median(square[at_base])))
+    levels = threshold_at_base(camera.name, contrast, noise, threshold)
     mask = np.where(square > levels**2, np.uint8(255), np.uint8(0))
     if work_area is not None:
         mask = np.asarray(cv2.bitwise_and(mask, work_area_mask(work_area, Grid(camera.size_px, 1))), np.uint8)
@@ -130,7 +92,7 @@ def silhouette(
         )
     opened = area_opened(mask, SMALLEST_ROBOT_MM2 * base.px_per_mm**2)
     whole = closed(opened, max(round(CLOSING_MM * base.px_per_mm / 2), 1))
-    robot = joined_to_base(without_holder(whole, base, holder_radius_mm), base)
+    robot = joined_to_base(without_holder(whole, base, holder_radius_mm), at_base)
     if not robot.any():
         raise RefusedError(f"camera {camera.name}: no robot is joined to its base")
     return robot

@@ -49,8 +49,9 @@ class Normals:
     """Across the tube, n normals in each of v cameras.
 
     `residual_px` (v, n) is the offset of the measured middle along `across` (v, n, 2), 0 where it is not `valid` (v, n);
-    `direction` (v, n, 3) is its derivative by the curve's point in px/mm. `clearness` (v, n) says how clearly the tube is seen, `shown` (v, n) whether it
-    lies in the picture, `middle_px` (v, n, 2) is the measured midline and `radius_mm` (v, n) the tube's, or NaN.
+    `direction` (v, n, 3) is its derivative by the curve's point in px/mm. `clearness` (v, n) says how clearly the tube is
+    seen, `shown` (v, n) whether it lies in the picture, `middle_px` (v, n, 2) is the measured midline and `radius_mm`
+    (v, n) the tube's, or NaN.
     """
 
     residual_px: FloatArray
@@ -68,8 +69,8 @@ class Ends:
     """The silhouette's end along k parallel lines in each of v cameras.
 
     `residual_px` (v, k) is how far beyond the predicted outline it is along `onwards` (v, k, 2), 0 in cameras that do not
-    see it (`seen` (v,)); `direction` (v, k, 3) its derivative in px/mm by the point that `basis` (CONTROL_POINTS,) gives; `mm_per_px` (v,) the
-    scale there.
+    see it (`seen` (v,)); `direction` (v, k, 3) its derivative in px/mm by the point that `basis` (CONTROL_POINTS,) gives;
+    `mm_per_px` (v,) the scale there.
     """
 
     residual_px: FloatArray

@@ -6,10 +6,10 @@ in and around it is held against it. Without one, or when that fit does not conv
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
@@ -44,10 +44,6 @@ class Refined:
     name: ClassVar[MethodName] = MethodName.REFINED
 
     scene: Scene
-
-    def without(self, cameras: Collection[str]) -> Self:
-        """The same method for the scene's other cameras."""
-        return replace(self, scene=self.scene.without(cameras))
 
     def estimate(
         self,

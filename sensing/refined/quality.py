@@ -94,8 +94,10 @@ def ray_gap_mm(cameras: tuple[Camera, ...], fit: Fit) -> float:
 
 def best_epipolar_angles(cameras: tuple[Camera, ...], fit: Fit) -> FloatArray:
     """Angles (SAMPLES,) in rad to the epipolar direction of whichever two cameras see a point best."""
-    points, tangents = fit.curve.points_mm, curve.VELOCITY @ fit.curve.control_mm
-    pairs = [epipolar_angles(*pair, points, tangents) for pair in combinations(cameras, 2)]
+    pairs = [
+        epipolar_angles(*pair, fit.curve.points_mm, fit.curve.velocity_mm)
+        for pair in combinations(cameras, 2)
+    ]
     return np.asarray(np.max(pairs, axis=0))
 
 

@@ -118,11 +118,15 @@ class _System:
         self._residuals: list[FloatArray] = []
         self._weights: list[FloatArray] = []
 
-    def add(self, rows: FloatArray, residuals: FloatArray, weights: FloatArray, at: int = 0) -> None:
-        """Add residuals (k,) = measured - predicted with rows (k, m) over unknowns from `at` on, and inverse variances (k,)."""
-        whole = np.zeros((len(rows), self.size))
-        whole[:, at : at + rows.shape[1]] = rows
-        self._rows.append(whole)
+    def add(self, residuals: FloatArray, weights: FloatArray, *blocks: tuple[int, FloatArray]) -> None:
+        """Add residuals (k,) = measured - predicted with inverse variances (k,).
+
+        Their rows are 0 but for blocks of columns (k, m), each over the unknowns from a place on.
+        """
+        rows = np.zeros((len(residuals), self.size))
+        for at, columns in blocks:
+            rows[:, at : at + columns.shape[1]] = columns
+        self._rows.append(rows)
         self._residuals.append(residuals)
         self._weights.append(weights)
 
@@ -161,35 +165,36 @@ class _Solution:
         return np.asarray(np.linalg.solve(left, self.vector[KNOWN:] - cross @ self.step)).reshape(-1, 2)
 
 
-def _point_rows(basis: FloatArray, directions: FloatArray, *more: FloatArray) -> FloatArray:
-    """Rows (k, LENGTH): the derivatives of direction . position, for directions (k, 3) at basis rows (k, n).
+def _by_points(basis: FloatArray, directions: FloatArray) -> tuple[int, FloatArray]:
+    """The block of the derivatives of direction . position, for directions (k, 3) at basis rows (k, n)."""
+    return 0, (basis[:, :, None] * directions[:, None, :]).reshape(len(basis), -1)
 
-    More columns (k, m) follow.
-    """
-    rows = (basis[:, :, None] * directions[:, None, :]).reshape(len(basis), -1)
-    return np.concatenate([rows, *more], axis=1)
+
+def _by_shift(camera: int, directions: FloatArray) -> tuple[int, FloatArray]:
+    """The block of the derivatives by a camera's shift, for directions (k, 2) in its picture."""
+    return KNOWN + 2 * camera, directions
 
 
 _AXES = np.eye(3)
-_BASE_ROWS = _point_rows(np.repeat(curve.POSITION[:1], 3, axis=0), _AXES)
-_BASE_TANGENT_ROWS = _point_rows(np.repeat(curve.VELOCITY[:1], 2, axis=0), _AXES[:2])
+_BY_BASE = _by_points(np.repeat(curve.POSITION[:1], 3, axis=0), _AXES)
+_BY_BASE_TANGENT = _by_points(np.repeat(curve.VELOCITY[:1], 2, axis=0), _AXES[:2])
 
 
 def _expect(system: _System, prior: Prior, fitted: Curve) -> None:
     """What is known without looking."""
     base = np.array([0.0, 0.0, prior.insertion_mm])
-    system.add(_BASE_ROWS, base - fitted.points_mm[0], np.full(3, BASE_MM**-2))
+    system.add(base - fitted.points_mm[0], np.full(3, BASE_MM**-2), _BY_BASE)
     velocity = fitted.velocity_mm
-    system.add(_BASE_TANGENT_ROWS, -velocity[0, :2], np.full(2, (BASE_TANGENT * fitted.length_mm) ** -2))
+    system.add(-velocity[0, :2], np.full(2, (BASE_TANGENT * fitted.length_mm) ** -2), _BY_BASE_TANGENT)
     speed = lengths(velocity)[:, 0]
-    longer = -speed[:, None] / fitted.length_mm**2
-    rows = _point_rows(curve.VELOCITY, velocity / (speed * fitted.length_mm)[:, None], longer)
-    system.add(rows, 1 - speed / fitted.length_mm, np.full(len(speed), SPEED**-2))
+    by_points = _by_points(curve.VELOCITY, velocity / (speed * fitted.length_mm)[:, None])
+    by_length = LENGTH, -speed[:, None] / fitted.length_mm**2
+    system.add(1 - speed / fitted.length_mm, np.full(len(speed), SPEED**-2), by_points, by_length)
     if prior.length_mm is not None:
         off = np.array([prior.length_mm - fitted.length_mm])
-        system.add(np.ones((1, 1)), off, np.array([prior.length_spread_mm**-2]), LENGTH)
+        system.add(off, np.array([prior.length_spread_mm**-2]), (LENGTH, np.ones((1, 1))))
     shifts = system.size - KNOWN
-    system.add(np.eye(shifts), np.zeros(shifts), np.full(shifts, SHIFT_PX**-2), KNOWN)
+    system.add(np.zeros(shifts), np.full(shifts, SHIFT_PX**-2), (KNOWN, np.eye(shifts)))
 
 
 def _listen(system: _System, seen: Measurement) -> None:
@@ -200,17 +205,14 @@ def _listen(system: _System, seen: Measurement) -> None:
     scale = np.maximum(2.0 * typical, 2 * EDGE_PX)[:, None]
     weights = np.where(normals.valid, normals.clearness * EDGE_PX**-2 / (1 + (off / scale) ** 2), 0.0)
     for camera, weight in enumerate(weights):
-        moved = np.zeros((len(weight), system.size - LENGTH))
-        moved[:, 1 + 2 * camera : 3 + 2 * camera] = normals.across[camera]
-        rows = _point_rows(curve.POSITION, normals.direction[camera], moved)
-        system.add(rows, normals.residual_px[camera], weight)
+        by_points = _by_points(curve.POSITION, normals.direction[camera])
+        system.add(normals.residual_px[camera], weight, by_points, _by_shift(camera, normals.across[camera]))
     for camera in np.flatnonzero(ends.seen).tolist():
         residual = ends.residual_px[camera]
-        moved = np.zeros((len(residual), system.size - LENGTH))
-        moved[:, 1 + 2 * camera : 3 + 2 * camera] = ends.onwards[camera]
         basis = np.broadcast_to(ends.basis, (len(residual), curve.CONTROL_POINTS))
         weight = (END_PX**2 * len(residual)) ** -1 / (1 + (residual / END_SCALE_PX) ** 2)
-        system.add(_point_rows(basis, ends.direction[camera], moved), residual, weight)
+        by_points = _by_points(basis, ends.direction[camera])
+        system.add(residual, weight, by_points, _by_shift(camera, ends.onwards[camera]))
 
 
 def _moved_normals(normals: Normals, step: FloatArray) -> Normals:

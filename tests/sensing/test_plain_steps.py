@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 from sensing.errors import RefusedError
 from sensing.geometry import curve
 from sensing.geometry.camera import Camera
+from sensing.pictures.grid import Grid
+from sensing.pictures.segmentation import BaseView
 from sensing.plain.judging import loses_its_way
 from sensing.plain.line import line_through, to_silhouettes_end
 from sensing.plain.order import end_of_line, ordered
 from sensing.plain.pairing import all_pairs, descended
 from sensing.plain.polyline import Polyline
 from sensing.plain.silhouette import (
-    BaseSight,
     area_opened,
     closed,
     colour_distance,
@@ -65,8 +66,8 @@ def test_closing_fills_gaps_and_moves_no_straight_border():
 
 
 def base_at(x, y):
-    return BaseSight(
-        np.array([x, y], float), np.array([[x, y - 10], [x, y - 20]]), np.array([0.0, -1.0]), 5.0
+    return BaseView(
+        np.array([x, y], float), np.array([[x, y - 10], [x, y - 20]], float), np.array([0.0, -1.0]), 5.0
     )
 
 
@@ -77,9 +78,11 @@ def test_the_holder_ends_where_the_robot_begins():
 
 
 def test_only_what_is_joined_to_the_base_is_robot():
-    mask = joined_to_base(drawn([(80, 10), (80, 100)], [(20, 10), (20, 100)]), base_at(80, 90))
+    mask = joined_to_base(
+        drawn([(80, 10), (80, 100)], [(20, 10), (20, 100)]), base_at(80, 90).axis_in("left", (120, 160))
+    )
     assert (mask == drawn([(80, 10), (80, 100)])).all()
-    assert not joined_to_base(drawn([(20, 10), (20, 100)]), base_at(80, 90)).any()
+    assert not joined_to_base(drawn([(20, 10), (20, 100)]), base_at(80, 90).axis_in("left", (120, 160))).any()
 
 
 def test_a_silhouette_that_leaves_the_picture_or_the_work_area_is_noticed():
@@ -95,7 +98,7 @@ def test_a_silhouette_that_leaves_the_picture_or_the_work_area_is_noticed():
 def test_a_threshold_that_takes_the_backdrop_for_robot_is_refused(rig):
     camera = Camera(rig[0])
     backdrop = np.full((1080, 1920, 3), 120, np.uint8)
-    base = BaseSight.of(camera, 0.0)
+    base = BaseView.of(camera, 0.0, Grid(camera.size_px, 1))
     with pytest.raises(
         RefusedError, match=r"camera left: 100 % of the picture stand out .*threshold 5 levels"
     ):
@@ -112,7 +115,7 @@ def test_a_threshold_that_takes_the_backdrop_for_robot_is_refused(rig):
 
 def test_a_base_outside_of_the_picture_is_refused(rig):
     with pytest.raises(RefusedError, match="camera left: the robot's base is outside the picture"):
-        BaseSight.of(Camera(rig[0]), 500.0)
+        BaseView.of(Camera(rig[0]), 500.0).axis_in("left", (540, 960))
 
 
 # the skeleton
