@@ -1,0 +1,162 @@
+"""The tendon drive on a virtual bench: what `drivers.dynamixel` does with packets, done with the emulated servos' registers.
+
+The same bounds, the same rounding to encoder ticks, the same watchdog and the same errors, so that `controller.drive` and
+`controller.watch` meet what they meet on a bench.
+"""
+
+import math
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.actuators import ActuatorError, ActuatorState, CommandRefusedError, WatchdogExpiredError
+from drivers.simulated.servos.servo import (
+    ACCELERATION_UNIT_RAD_S2,
+    CURRENT_UNIT_A,
+    TICK_RAD,
+    VELOCITY_UNIT_RAD_S,
+    WATCHDOG_EXPIRED,
+    Servo,
+)
+from nodal.virtual.settings import ServoSettings
+
+Array = NDArray[np.float64]
+
+_WATCHDOG_UNIT_MS = 20
+_CONFIGURED = "profile_velocity"
+"""A register that is never 0 in a servo that the drive has set up: one that restarted has forgotten it."""
+
+
+class VirtualActuators:
+    """The `Actuators` of a virtual bench."""
+
+    def __init__(self, settings: ServoSettings, servos: Sequence[Servo], mm_per_rad: Array) -> None:
+        """`mm_per_rad` (A,) is what the drive believes; the servos are those of the plant."""
+        self._settings = settings
+        self._servos = servos
+        self._mm_per_tick = mm_per_rad * TICK_RAD
+        self._zero_ticks: Array = np.zeros(len(servos))
+        self.now_s = 0.0
+        """Virtual time, set by the bench before each cycle."""
+        self.silent: set[int] = set()
+        """Axes whose servos answer nothing and hear nothing."""
+        self.waited_s = 0.0
+        """How long the drive has waited in vain for answers since the bench last looked."""
+
+    def open(self) -> None:
+        """Relax and set up every servo; raises ActuatorError for one that is silent."""
+        self.disable()
+        velocity = max(1, round(self._settings.profile_velocity_rad_s / VELOCITY_UNIT_RAD_S))
+        acceleration = max(1, round(self._settings.profile_acceleration_rad_s2 / ACCELERATION_UNIT_RAD_S2))
+        for servo in self._servos:
+            servo.memory["profile_velocity"] = velocity
+            servo.memory["profile_acceleration"] = acceleration
+            servo.memory["goal_current"] = int(self._settings.maximum_current_ma * 1e-3 / CURRENT_UNIT_A)
+        self._zero_ticks = self._read("present_position")
+
+    def close(self) -> None:
+        """Relax the servos; raises ActuatorError for those that do not confirm."""
+        self.disable()
+
+    def __enter__(self) -> Self:
+        """Open."""
+        self.open()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close."""
+        self.close()
+
+    def read(self) -> ActuatorState:
+        """One reading of all servos; raises ActuatorError and WatchdogExpiredError."""
+        self._speak()
+        if (self._read("bus_watchdog") == WATCHDOG_EXPIRED).any():
+            raise WatchdogExpiredError(
+                f"the servos heard nothing for {self._settings.watchdog_ms} ms and stopped"
+            )
+        if not self._read(_CONFIGURED).all():
+            raise ActuatorError("a servo restarted by itself and forgot its turns; home again")
+        position_mm = (self._read("present_position") - self._zero_ticks) * self._mm_per_tick
+        speed_mm_s = self._read("present_velocity") * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
+        return ActuatorState(
+            displacement_mm=position_mm[:-1],
+            displacement_mm_s=speed_mm_s[:-1],
+            insertion_mm=float(position_mm[-1]),
+            insertion_mm_s=float(speed_mm_s[-1]),
+            current_ma=self._read("present_current") * CURRENT_UNIT_A * 1e3,
+            temperature_c=self._read("present_temperature"),
+            voltage_v=self._read("present_input_voltage") / 10,
+            hardware_error=tuple(servo.memory["hardware_error_status"] for servo in self._servos),
+            torque=all(servo.torque_enabled for servo in self._servos),
+        )
+
+    def write(self, displacement_mm: Array, insertion_mm: float) -> None:
+        """Set the goals; nobody acknowledges them. Raises CommandRefusedError."""
+        goal_mm = np.append(displacement_mm, insertion_mm)
+        if goal_mm.shape != self._zero_ticks.shape or not np.isfinite(goal_mm).all():
+            raise CommandRefusedError(
+                f"goals {goal_mm.tolist()} mm must be {len(self._zero_ticks)} finite numbers"
+            )
+        ticks = np.round(self._zero_ticks + goal_mm / self._mm_per_tick).astype(int).tolist()
+        self._speak()
+        for servo, goal in zip(self._hearing(), [ticks[axis] for axis in self._answering()], strict=True):
+            if servo.memory["bus_watchdog"] != WATCHDOG_EXPIRED:
+                servo.memory["goal_position"] = goal
+
+    def set_zero(self, displacement_mm: Array, insertion_mm: float) -> None:
+        """Call the present position `displacement_mm` (D,) and `insertion_mm`."""
+        position_mm = np.append(displacement_mm, insertion_mm)
+        self._zero_ticks = self._read("present_position") - position_mm / self._mm_per_tick
+
+    def enable(self) -> None:
+        """Hold the present position and arm the watchdog; raises ActuatorError."""
+        self._speak()
+        units = math.ceil(self._settings.watchdog_ms / _WATCHDOG_UNIT_MS)
+        self._read("present_position")
+        for servo in self._servos:
+            servo.memory["bus_watchdog"] = 0
+            servo.memory["goal_position"] = servo.memory["present_position"]
+            self._set_torque(servo, 1)
+            servo.memory["bus_watchdog"] = units
+
+    def disable(self) -> None:
+        """Torque and watchdog off; raises ActuatorError for servos that do not confirm."""
+        self._speak()
+        for servo in self._hearing():
+            self._set_torque(servo, 0)
+            servo.memory["bus_watchdog"] = 0
+        self._read("torque_enable")
+
+    def _set_torque(self, servo: Servo, torque: int) -> None:
+        if torque and servo.memory["hardware_error_status"] & servo.memory["shutdown"]:
+            raise ActuatorError(f"servo {servo.id} shows a hardware error and takes no torque")
+        if torque and not servo.torque_enabled:
+            servo.motor.hold_here()
+        servo.memory["torque_enable"] = torque
+
+    def _speak(self) -> None:
+        for servo in self._hearing():
+            servo.hear(self.now_s)
+
+    def _answering(self) -> list[int]:
+        return [
+            axis
+            for axis, servo in enumerate(self._servos)
+            if axis not in self.silent and servo.is_awake(self.now_s)
+        ]
+
+    def _hearing(self) -> list[Servo]:
+        return [self._servos[axis] for axis in self._answering()]
+
+    def _read(self, register: str) -> Array:
+        answering = self._answering()
+        if len(answering) < len(self._servos):
+            missing = sorted(set(range(len(self._servos))) - set(answering))
+            self.waited_s += self._settings.unanswered_s
+            raise ActuatorError(f"no answer from servo {', '.join(str(self._servos[a].id) for a in missing)}")
+        return np.array([servo.memory[register] for servo in self._servos], dtype=np.float64)

@@ -1,0 +1,63 @@
+"""What was asked and what happened, cycle by cycle."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Samples:
+    """n cycles of a run. Desired and true positions belong to `now_s`; a nodal point that nobody leads has nan as desired."""
+
+    now_s: Array
+    """(n,) virtual time."""
+    desired_mm: Array
+    """(n, m, 3)."""
+    node_mm: Array
+    """(n, m, 3) the true nodal points."""
+    command_mm: Array
+    """(n, A); nan while the drive is told nothing."""
+    current_ma: Array
+    """(n, A)."""
+    tension_N: Array
+    """(n, T)."""
+    torque: NDArray[np.bool_]
+    """(n,) whether any servo drives its motor."""
+    mode: tuple[str, ...]
+    reason: tuple[str, ...]
+    node_names: tuple[str, ...]
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """One after the other."""
+        arrays = ("now_s", "desired_mm", "node_mm", "command_mm", "current_ma", "tension_N", "torque")
+        return cls(
+            **{name: np.concatenate([getattr(part, name) for part in parts]) for name in arrays},
+            mode=tuple(mode for part in parts for mode in part.mode),
+            reason=tuple(reason for part in parts for reason in part.reason),
+            node_names=parts[0].node_names,
+        )
+
+    def since(self, now_s: float) -> Self:
+        """What came at `now_s` and later."""
+        first = int(np.searchsorted(self.now_s, now_s - 1e-9))
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        names = values.pop("node_names")
+        return dataclasses.replace(
+            self, **{name: rows[first:] for name, rows in values.items()}, node_names=names
+        )
+
+    def error_mm(self, node: str) -> Array:
+        """(n,) how far a nodal point is from where it should be; nan while nobody leads it."""
+        index = self.node_names.index(node)
+        return np.linalg.norm(self.node_mm[:, index] - self.desired_mm[:, index], axis=1)
+
+    def to_bytes(self) -> bytes:
+        """Everything, to compare runs by."""
+        values = [getattr(self, field.name) for field in dataclasses.fields(self)]
+        return b"".join(v.tobytes() if isinstance(v, np.ndarray) else repr(v).encode() for v in values)
