@@ -1,14 +1,18 @@
 """The constant-curvature model: where nodal points are for given tendon displacements and insertion, and how they move.
 
 Section i bends by the vector b_i = (angle) * (direction), in rad, in the frame of its base; frames are carried along the
-backbone without twist, so directions of all sections are measured against the same marks. In these coordinates,
-the two Clarke coordinates of the section up to the pitch radius, nothing is singular in the straight pose (Della
-Santina, Bicchi, Rus, "On an improved state parametrization for soft robots with piecewise constant curvature", 2020).
+backbone without twist, so directions of all sections are measured against the same marks. In these coordinates nothing is
+singular in the straight pose (Della Santina, Bicchi, Rus, "On an improved state parametrization for soft robots with
+piecewise constant curvature", 2020).
 
-A command is the vector (displacement_mm of every pair, section by section; insertion_mm).
+A command is the vector (displacement_mm of every tendon or antagonistic pair, section by section; insertion_mm where there
+is a stage). However many tendons a section has, they share its two Clarke coordinates q_i in mm: a tendon at angle t is
+displaced by (cos t, sin t) . q_i (Grassmann, Senyk, Burgner-Kahrs, "Clarke transform", 2024). Displacements that no bend
+explains only tighten or slacken a section's tendons.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,42 +39,61 @@ _TURN = np.zeros((2, 3, 3))
 _TURN[0, 0, 2] = _TURN[1, 1, 2] = 1.0
 _TURN[0, 2, 0] = _TURN[1, 2, 1] = -1.0
 _UNITS = np.eye(2, 3)
+_LEAST_SPREAD = 0.1
+"""Smallest over largest pull of a section's tendons, over all directions, below which they all pull the same way."""
 
 
 class Kinematics:
-    """S sections with two tendon pairs each, on a linear stage along +Z; A = 2 S + 1 axes."""
+    """S sections with any number of tendons, with or without a linear stage along +Z.
+
+    D tendons or antagonistic pairs, A = D + 1 axes with a stage, or D without; C = 2 S coordinates and the stage's.
+    """
 
     def __init__(
-        self, section_length_mm: ArrayLike, pair_angle_rad: ArrayLike, pitch_radius_mm: ArrayLike
+        self,
+        section_length_mm: ArrayLike,
+        tendon_angle_rad: Sequence[ArrayLike],
+        pitch_radius_mm: ArrayLike,
+        *,
+        coupling: float = 1.0,
+        stage: bool = True,
     ) -> None:
-        """Lengths (S,), angles (S, 2) of each pair's first tendon from +X towards +Y, pitch radii (S,).
+        """Lengths (S,), for each section the angles of its tendons (of pairs: of their first) from +X towards +Y, radii (S,).
 
-        Raises ControllerSetupError when shapes do not agree or a section's two pairs pull in the same direction.
+        `coupling` is the share of the pitch radius at which distal tendons cross the sections before their own. Raises
+        ControllerSetupError when numbers of sections do not agree or all tendons of a section pull the same way.
         """
         self.length_mm = np.asarray(section_length_mm, dtype=np.float64)
-        angle, radius = (
-            np.asarray(pair_angle_rad, dtype=np.float64),
-            np.asarray(pitch_radius_mm, dtype=np.float64),
-        )
+        radius = np.asarray(pitch_radius_mm, dtype=np.float64)
+        angles = [np.asarray(angle, dtype=np.float64) for angle in tendon_angle_rad]
         sections = len(self.length_mm)
-        if angle.shape != (sections, 2) or radius.shape != (sections,):
+        if len(angles) != sections or radius.shape != (sections,):
             raise ControllerSetupError(
-                f"the controller's tendons are set for {len(angle)} sections, the robot has {sections}"
-            )
-        own = radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        if (abs(np.linalg.det(own)) < 0.1 * radius**2).any():
-            raise ControllerSetupError(
-                f"tendon pairs at {np.degrees(angle).tolist()} degrees: a section's two pairs must not pull the same way"
+                f"the controller's tendons are set for {len(angles)} sections, the robot has {sections}"
             )
         self._start_mm = np.cumsum(self.length_mm) - self.length_mm
-        self.displacement_per_bend = np.zeros((2 * sections, 2 * sections))
-        """(2 S, 2 S): distal tendons also shorten by the bend of every section that they cross."""
-        for section in range(sections):
-            rows = slice(2 * section, 2 * section + 2)
-            self.displacement_per_bend[rows, : 2 * section + 2] = np.tile(own[section], section + 1)
-        self.bend_per_displacement = np.linalg.inv(self.displacement_per_bend)
-        self.pairs = 2 * sections
-        self.axes = self.pairs + 1
+        self.tendons = sum(len(angle) for angle in angles)
+        self.axes = self.tendons + stage
+        self.stage = stage
+        self.command_of_coordinates = np.zeros((self.axes, 2 * sections + stage))
+        """(A, C): the command that bends all sections so."""
+        self.command_of_coordinates[self.tendons :, 2 * sections :] = 1.0
+        row = 0
+        for section, angle in enumerate(angles):
+            own = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+            _check_spread(section, angle, own)
+            self.command_of_coordinates[row : row + len(angle), 2 * section : 2 * section + 2] = own
+            row += len(angle)
+        self.coordinates_of_command = np.linalg.pinv(self.command_of_coordinates)
+        """(C, A): Clarke coordinates in mm, and the stage's place; what no bend explains is left out."""
+        crossing = np.eye(sections) + coupling * np.tri(sections, k=-1)
+        bend_of_coordinates = np.linalg.inv(np.kron(radius[:, None] * crossing, np.eye(2)))
+        self._bend_of_displacement = (
+            bend_of_coordinates @ self.coordinates_of_command[: 2 * sections, : self.tendons]
+        )
+        tightening = np.eye(self.axes) - self.command_of_coordinates @ self.coordinates_of_command
+        self.tightening = tightening if self.axes > 2 * sections + stage else np.zeros((0, self.axes))
+        """(A, A) or (0, A): the part of a command that bends nothing and only tightens or slackens tendons."""
 
     def nodes_mm(self, command_mm: Array, arc_mm: Array) -> Array:
         """Positions (..., m, 3) of the points at arc lengths (m,) for commands (..., A)."""
@@ -80,18 +103,18 @@ class Kinematics:
         """Positions (..., m, 3), and their derivatives (..., m, 3, A) by the command."""
         points, by_bend = self._chain(command_mm, arc_mm)
         jacobian = np.empty((*points.shape, self.axes))
-        jacobian[..., :-1] = by_bend @ self.bend_per_displacement
-        jacobian[..., -1] = [0.0, 0.0, 1.0]
+        jacobian[..., : self.tendons] = by_bend @ self._bend_of_displacement
+        jacobian[..., self.tendons :] = [[0.0], [0.0], [1.0]]
         return points, jacobian
 
     def _chain(self, command_mm: Array, arc_mm: Array) -> tuple[Array, Array]:
         """From the tip to the base: the node as seen from each section's base, and its derivative by the bends."""
-        bend = (command_mm[..., :-1] @ self.bend_per_displacement.T)[..., None, :]
+        bend = (command_mm[..., : self.tendons] @ self._bend_of_displacement.T)[..., None, :]
         into_mm = np.maximum(arc_mm[:, None] - self._start_mm, 0.0)
         into_mm[:, :-1] = np.minimum(into_mm[:, :-1], self.length_mm[:-1])
         share = into_mm / self.length_mm
         node = np.zeros((*bend.shape[:-2], len(arc_mm), 3))
-        by_bend = np.zeros((*node.shape, self.pairs))
+        by_bend = np.zeros((*node.shape, bend.shape[-1]))
         for section in reversed(range(len(self.length_mm))):
             own = slice(2 * section, 2 * section + 2)
             part = share[:, section, None]
@@ -100,8 +123,17 @@ class Kinematics:
             seen = turn_by_bend @ node[..., None, :, None]
             by_bend[..., own] = part[..., None] * (end_by_bend + seen[..., 0]).swapaxes(-1, -2)
             node = end + (turn @ node[..., None])[..., 0]
-        node[..., 2] += command_mm[..., -1:]
+        if self.stage:
+            node[..., 2] += command_mm[..., -1:]
         return node, by_bend
+
+
+def _check_spread(section: int, angle_rad: Array, pull: Array) -> None:
+    strength = np.linalg.svd(pull, compute_uv=False) if len(angle_rad) > 1 else np.zeros(2)
+    if strength[1] < _LEAST_SPREAD * max(strength[0], 1.0):
+        raise ControllerSetupError(
+            f"section {section + 1}: tendons at {np.degrees(angle_rad).tolist()} degrees must not all pull the same way"
+        )
 
 
 def _arc(bend: Array, length_mm: Array) -> tuple[Array, Array, Array, Array]:

@@ -1,4 +1,4 @@
-"""The seam for control laws: what a law is given, what it answers. Laws are found by name in controller/laws.py.
+"""The seam for control laws: what a law is given, what it answers. controller/laws holds one file for each law.
 
 A law is pure: everything that it remembers is the state that it returns and is given back, so a replay repeats it.
 """
@@ -8,6 +8,8 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drivers.actuators import ActuatorState
 
 Array = NDArray[np.float64]
 S = TypeVar("S")
@@ -39,12 +41,30 @@ class Points:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Beginning:
+    """What a law begins with. `command_mm` (A,) is what the actuators were last told.
+
+    `lost_motion_mm` (A,) is what play and friction swallow where an axis turns round, as homing found it; NaN where it did
+    not look.
+    """
+
+    points: Points
+    command_mm: Array
+    measured: Measurement
+    now_s: float
+    lost_motion_mm: Array
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class LawInputs:
-    """What a law sees in one cycle. `command_mm` (A,) is what the actuators were last told, after all limits."""
+    """What a law sees in one cycle. `command_mm` (A,) is what the actuators were last told, after all limits; `drive` what
+    they reported in this cycle, if they did.
+    """
 
     now_s: float
     dt_s: float
     command_mm: Array
+    drive: ActuatorState | None
     desired: Desired
     measured: Measurement | None
 
@@ -55,7 +75,7 @@ class Law(Protocol, Generic[S]):
     lead_s: float
     """How far ahead of now `desired` should be, so that the robot arrives in time."""
 
-    def start(self, points: Points, command_mm: Array, measured: Measurement, now_s: float) -> S:
+    def start(self, beginning: Beginning) -> S:
         """The memory of a law that begins with these points and knows nothing of what was before."""
         ...
 

@@ -1,6 +1,6 @@
 """The last place that a command passes: what is not finite is refused, what goes too far or too fast is cut short and said.
 
-Pure. A command is (displacement_mm of every pair; insertion_mm), A values.
+Pure. A command is (displacement_mm of every tendon or pair; insertion_mm of the stage, if there is one), A values.
 """
 
 import dataclasses
@@ -23,20 +23,28 @@ class Limited:
     at_rate: tuple[str, ...]
 
 
-def axis_name(axis: int, axes: int) -> str:
-    """What a person calls this axis."""
-    return "stage" if axis == axes - 1 else f"pair {axis + 1}"
+def axis_name(axis: int, tendons: int) -> str:
+    """What a person calls this axis: one of the tendons (or pairs), or the stage behind them."""
+    return "stage" if axis == tendons else f"tendon {axis + 1}"
 
 
 class Limits:
     """Travel and rate of every axis."""
 
-    def __init__(self, settings: LimitSettings, pairs: int) -> None:
-        """`pairs` tendon pairs and the stage."""
+    def __init__(self, settings: LimitSettings, tendons: int, *, stage: bool = True) -> None:
+        """So many tendons or pairs, and the stage if there is one."""
         reach, (stage_low, stage_high) = settings.displacement_mm, settings.insertion_mm
-        self.low_mm = np.append(np.full(pairs, -reach), stage_low)
-        self.high_mm = np.append(np.full(pairs, reach), stage_high)
-        self.rate_mm_s = np.append(np.full(pairs, settings.displacement_mm_s), settings.insertion_mm_s)
+        self.tendons = tendons
+        self.low_mm = np.array([-reach] * tendons + [stage_low] * stage)
+        self.high_mm = np.array([reach] * tendons + [stage_high] * stage)
+        self.rate_mm_s = np.array([settings.displacement_mm_s] * tendons + [settings.insertion_mm_s] * stage)
+
+    @property
+    def stage_mm(self) -> tuple[float, float]:
+        """Where the base may be along +Z: both 0 without a stage."""
+        if self.tendons == len(self.low_mm):
+            return 0.0, 0.0
+        return float(self.low_mm[-1]), float(self.high_mm[-1])
 
     def apply(self, command_mm: Array, previous_mm: Array, dt_s: float) -> Limited:
         """`command_mm` (A,) as it may follow `previous_mm` (A,) after `dt_s`; raises CommandNotFiniteError."""
@@ -69,6 +77,6 @@ class Limits:
         self, which: NDArray[np.bool_], value: Array, what: str, low: Array, high: Array
     ) -> tuple[str, ...]:
         return tuple(
-            f"{axis_name(axis, len(value))}: {value[axis]:.3f} {what} {low[axis]:g} to {high[axis]:g}"
+            f"{axis_name(axis, self.tendons)}: {value[axis]:.3f} {what} {low[axis]:g} to {high[axis]:g}"
             for axis in np.flatnonzero(which).tolist()
         )

@@ -11,8 +11,8 @@ import numpy as np
 from controller import task as tasks
 from controller.cycle import Inputs, LoopState, Outputs, Request
 from controller.errors import CommandNotFiniteError, LawFailedError, TargetError
-from controller.limits import Limits
 from controller.motion import Motion
+from controller.plant import Plant
 from controller.reference import check_target
 from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
@@ -28,16 +28,15 @@ class Loop:
     def __init__(self, settings: ControllerSettings, robot: RobotSettings) -> None:
         """Raises ControllerSetupError when the settings do not fit the robot or name no law."""
         self._settings = settings
-        self._kinematics = settings.kinematics(robot)
-        self._limits = Limits(settings.limits, self._kinematics.pairs)
-        self._motion = Motion(settings, self._kinematics, self._limits)
-        self._untroubled = Trouble.none(self._kinematics.axes)
+        self._plant = Plant.of(settings, robot)
+        self._motion = Motion(settings, self._plant)
+        self._untroubled = Trouble.none(self._plant.kinematics.axes)
 
     def start(self) -> LoopState:
         """In idle, knowing nothing."""
         return LoopState(
             supervision=Supervision(),
-            command_mm=np.zeros(self._kinematics.axes),
+            command_mm=np.zeros(self._plant.kinematics.axes),
             trouble=self._untroubled,
         )
 
@@ -98,7 +97,7 @@ class Loop:
                 inputs.absence,
                 state.trouble,
                 settings=self._settings,
-                limits=self._limits,
+                limits=self._plant.limits,
                 now_s=inputs.now_s,
             )
             faults = [*drive, *faults]
@@ -145,7 +144,7 @@ class Loop:
                 {} if seen is None else dict(zip(seen.shape.node_names, seen.shape.node_arc_mm, strict=True))
             )
             try:
-                check_target(request, arcs, self._kinematics, self._limits, self._settings)
+                check_target(request, arcs, self._plant, self._settings)
             except TargetError as error:
                 return str(error)
             return ""

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from controller import task as tasks
 from controller.cycle import Inputs, LoopState
-from controller.kinematics import Kinematics
 from controller.laws import make_law
-from controller.limits import Limits
+from controller.plant import Plant
 from controller.reference import Reference
 from controller.settings import ControllerSettings
 from controller.supervisor import Mode
@@ -22,15 +21,15 @@ Array = NDArray[np.float64]
 class Motion:
     """The tendons and the stage of one robot."""
 
-    def __init__(self, settings: ControllerSettings, kinematics: Kinematics, limits: Limits) -> None:
+    def __init__(self, settings: ControllerSettings, plant: Plant) -> None:
         """Raises ControllerSetupError when the settings name no law."""
         self._settings = settings
-        self._kinematics = kinematics
-        self._limits = limits
-        self._law = make_law(settings, kinematics)
-        self._all_axes = np.ones(kinematics.axes, dtype=bool)
-        self._pairs_only = self._all_axes.copy()
-        self._pairs_only[-1] = False
+        self._kinematics = plant.kinematics
+        self._limits = plant.limits
+        self._law = make_law(settings, plant)
+        self._all_axes = np.ones(self._kinematics.axes, dtype=bool)
+        self._tendons_only = np.arange(self._kinematics.axes) < self._kinematics.tendons
+        self._lost_motion_mm = np.full(self._kinematics.axes, np.nan)
 
     def prepare(
         self, state: LoopState, before: Mode, now_s: float, drive: ActuatorState | None, *, retargeted: bool
@@ -53,8 +52,9 @@ class Motion:
 
     def _taken_up(self, insertion_mm: float) -> Array:
         """The command that calls the present displacements zero."""
-        insertion_mm = min(max(insertion_mm, self._limits.low_mm[-1]), self._limits.high_mm[-1])
-        return np.append(np.zeros(self._kinematics.pairs), insertion_mm)
+        low_mm, high_mm = self._limits.stage_mm
+        insertion_mm = min(max(insertion_mm, low_mm), high_mm)
+        return np.append(np.zeros(self._kinematics.tendons), insertion_mm)[: self._kinematics.axes]
 
     def _homing(self, state: LoopState, now_s: float) -> Task | None:
         if state.seen is None:
@@ -67,9 +67,10 @@ class Motion:
             self._law,
             reference,
             state.seen,
-            self._pairs_only,
+            self._tendons_only,
             before=None,
             command_mm=state.command_mm,
+            lost_motion_mm=self._lost_motion_mm,
             now_s=now_s,
         )
 
@@ -91,6 +92,7 @@ class Motion:
             self._all_axes,
             before=state.task,
             command_mm=state.command_mm,
+            lost_motion_mm=self._lost_motion_mm,
             now_s=now_s,
         )
 
@@ -104,7 +106,13 @@ class Motion:
             wanted = np.append(wanted[:-1] - np.clip(wanted[:-1], -most, most), wanted[-1])
         elif task is not None and state.mode is before and self._may_follow(state, inputs.now_s):
             task, wanted = tasks.advance(
-                self._law, task, fresh, command_mm=wanted, now_s=inputs.now_s, dt_s=inputs.dt_s
+                self._law,
+                task,
+                fresh,
+                command_mm=wanted,
+                drive=inputs.drive,
+                now_s=inputs.now_s,
+                dt_s=inputs.dt_s,
             )
             if state.mode is Mode.HOMING and fresh is not None:
                 straight = task.settled(self._settings.homing.within_mm, inputs.now_s)

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller.errors import TooFastError, UnknownNodeError, UnreachableError
-from controller.kinematics import Kinematics
 from controller.law import Desired
-from controller.limits import Limits
+from controller.plant import Plant
 from controller.settings import ControllerSettings
 from messaging.control import Target
 
@@ -88,8 +87,7 @@ def _path(target: Target, path_s: float) -> Desired:
 def check_target(
     target: Target,
     node_arc_mm: Mapping[str, float],
-    kinematics: Kinematics,
-    limits: Limits,
+    plant: Plant,
     settings: ControllerSettings,
 ) -> None:
     """Refuse what the robot cannot follow. Nodal points of weight 0 are only watched, and may be anywhere.
@@ -107,11 +105,9 @@ def check_target(
     arc = np.array([node_arc_mm[name] for name in names])
     path = target.position_mm[:, driven]
     _check_speed(target, names, path, speed_mm_s)
-    _check_sphere(target, names, path, arc, limits=limits, within_mm=within_mm)
+    _check_sphere(target, names, path, arc, plant=plant, within_mm=within_mm)
     moments = np.unique(np.linspace(0, len(path) - 1, min(len(path), _CHECKED_MOMENTS)).round().astype(int))
-    reached = _reach(
-        path[moments], arc, target.weights[driven], kinematics, limits=limits, near_enough_mm=within_mm / 2
-    )
+    reached = _reach(path[moments], arc, target.weights[driven], plant, near_enough_mm=within_mm / 2)
     missed = np.linalg.norm(path[moments] - reached, axis=-1)
     moment, node = np.unravel_index(missed.argmax(), missed.shape)
     if missed[moment, node] > within_mm:
@@ -141,10 +137,11 @@ def _check_speed(target: Target, names: list[str], path: Array, speed_mm_s: floa
 
 
 def _check_sphere(
-    target: Target, names: list[str], path: Array, arc: Array, *, limits: Limits, within_mm: float
+    target: Target, names: list[str], path: Array, arc: Array, *, plant: Plant, within_mm: float
 ) -> None:
+    low_mm, high_mm = plant.limits.stage_mm
     base = np.zeros_like(path)
-    base[..., 2] = np.clip(path[..., 2], limits.low_mm[-1], limits.high_mm[-1])
+    base[..., 2] = np.clip(path[..., 2], low_mm, high_mm)
     distance = np.linalg.norm(path - base, axis=-1)
     excess = distance - arc
     moment, node = np.unravel_index(excess.argmax(), excess.shape)
@@ -152,20 +149,19 @@ def _check_sphere(
         raise UnreachableError(
             f"target {target.name}: {names[node]} at {target.time_s[moment]:g} s should be at "
             f"{_say(path[moment, node])} mm, {distance[moment, node]:.1f} mm from the nearest place of the base; it lies "
-            f"{arc[node]:.1f} mm along the robot, and the stage travels {limits.low_mm[-1]:g} to {limits.high_mm[-1]:g} mm"
+            f"{arc[node]:.1f} mm along the robot, and the stage travels {low_mm:g} to {high_mm:g} mm"
         )
 
 
-def _reach(
-    path: Array, arc: Array, weights: Array, kinematics: Kinematics, *, limits: Limits, near_enough_mm: float
-) -> Array:
+def _reach(path: Array, arc: Array, weights: Array, plant: Plant, *, near_enough_mm: float) -> Array:
     """(k, n, 3) where the model brings the nodal points, all k moments at once: damped Gauss-Newton within the travels."""
+    kinematics, limits, tendons = plant.kinematics, plant.limits, plant.kinematics.tendons
     command = np.zeros((len(path), kinematics.axes))
     # the stage starts where a straight robot would be highest: bending only lowers it
-    command[:, -1] = (path[..., 2] - arc).max(axis=1)
+    command[:, tendons:] = (path[..., 2] - arc).max(axis=1)[:, None]
     command = np.clip(command, limits.low_mm, limits.high_mm)
     root = np.sqrt(weights / weights.max())[:, None]
-    damping = np.diag(np.append(np.full(kinematics.pairs, _SOLVER_DAMPING_MM**2), 1e-6))
+    damping = np.diag(np.where(np.arange(kinematics.axes) < tendons, _SOLVER_DAMPING_MM**2, 1e-6))
     for _ in range(_SOLVER_STEPS):
         nodes, jacobian = kinematics.nodes_and_jacobian(command, arc)
         missing = path - nodes
@@ -174,7 +170,7 @@ def _reach(
         rows = (root[..., None] * jacobian).reshape(len(path), -1, kinematics.axes)
         pull = rows.swapaxes(-1, -2) @ (root * missing).reshape(len(path), -1, 1)
         step = np.linalg.solve(rows.swapaxes(-1, -2) @ rows + damping, pull)[..., 0]
-        step[:, :-1] = np.clip(step[:, :-1], -_SOLVER_STEP_MM, _SOLVER_STEP_MM)
+        step[:, :tendons] = np.clip(step[:, :tendons], -_SOLVER_STEP_MM, _SOLVER_STEP_MM)
         command = np.clip(command + step, limits.low_mm, limits.high_mm)
     return kinematics.nodes_mm(command, arc)
 

@@ -1,11 +1,12 @@
 """Settings of the controller, as they stand in the bench file. Lengths in mm, times in s; angles in degrees, for people."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
 
 from controller.kinematics import Kinematics
+from controller.regions import Region
 from messaging.settings import RobotSettings
 
 Seconds = Annotated[float, msgspec.Meta(gt=0, le=60)]
@@ -15,10 +16,27 @@ Degrees = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 
 
 class SectionTendons(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One section's two tendon pairs: the angle of each pair's first tendon from +X towards +Y, and their distance from the backbone."""
+    """One section's tendons: antagonistic pairs, each on one servo, by the angle of the pair's first tendon from +X towards
+    +Y, or single tendons, each on a servo of its own; and their distance from the backbone.
+    """
 
-    pair_angle_deg: tuple[Degrees, Degrees]
+    pair_angle_deg: Annotated[tuple[Degrees, ...], msgspec.Meta(max_length=8)] = ()
+    tendon_angle_deg: Annotated[tuple[Degrees, ...], msgspec.Meta(max_length=8)] = ()
     pitch_radius_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 4.0
+
+    @property
+    def angle_deg(self) -> tuple[float, ...]:
+        """Of what is pulled, in the order of the axes."""
+        return self.pair_angle_deg or self.tendon_angle_deg
+
+    def __post_init__(self) -> None:
+        """Check what the bounds of single fields cannot say."""
+        pairs, single = len(self.pair_angle_deg), len(self.tendon_angle_deg)
+        if (pairs > 0) == (single > 0) or pairs == 1 or 0 < single < 3:
+            raise ValueError(
+                f"a section has {pairs} pair_angle_deg and {single} tendon_angle_deg; "
+                "it needs either two pairs or more, or three single tendons or more"
+            )
 
 
 class LimitSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -64,41 +82,24 @@ class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     timeout_s: Seconds = 20.0
 
 
-class ResolvedRateSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The law `resolved_rate`; controller/resolved_rate.py tells what is done with the values."""
-
-    feedback_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 8.0
-    """Speed per distance with which an error is made good."""
-    response_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.04
-    """Time constant with which servos and robot follow a command."""
-    lost_motion_mm: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.4
-    """What backlash and friction swallow when a tendon pair turns round; too little is safe, twice too much is not."""
-    engaging_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
-    """Within how much motion after turning round the lost motion is made up for."""
-    damping_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
-    """Motion of a nodal point per mm of tendon below which the law gives up rather than pull hard."""
-    insertion_cost: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.1
-    """What a mm of the stage costs beside a mm of tendon, where either would do."""
-    posture_per_s: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.5
-    """How fast the tendons go back to zero in directions that move no nodal point."""
-    measurement_noise_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
-    """Standard deviation of one coordinate of a nodal point."""
-    offset_drift_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
-    """How far the robot may wander from its model in a second, by itself."""
-    gain_drift: Annotated[float, msgspec.Meta(ge=0, le=100)] = 0.3
-    """How much the Jacobian may change in a second, in mm per mm."""
-    maximum_gain_correction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.5
-    """Bound of the Jacobian's correction, as a share of the model's."""
-
-
 class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Everything the controller needs beside the robot. `law` is a name in controller/laws.py."""
+    """Everything the controller needs beside the robot.
+
+    `law` names a file of controller/laws, or `law_file` is the path of another; `tuning` holds that law's own settings.
+    No part of the robot's centreline comes nearer than `keep_clear_mm` to a region in `forbidden`.
+    """
 
     sections: Annotated[tuple[SectionTendons, ...], msgspec.Meta(min_length=1, max_length=8)] = (
         SectionTendons(pair_angle_deg=(0.0, 90.0)),
         SectionTendons(pair_angle_deg=(45.0, 135.0)),
     )
+    coupling: Annotated[float, msgspec.Meta(ge=0, le=1)] = 1.0
+    """Share of the pitch radius at which distal tendons cross the sections before their own; 0 leads them along the backbone."""
+    forbidden: tuple[Region, ...] = ()
+    keep_clear_mm: Annotated[float, msgspec.Meta(ge=0, le=1000)] = 5.0
     law: str = "resolved_rate"
+    law_file: str = ""
+    tuning: dict[str, Any] = msgspec.field(default_factory=dict)
     maximum_node_speed_mm_s: Speed = 20.0
     reachable_within_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 1.0
     """How far from where it was asked to be the model may leave a nodal point of a target that is still accepted."""
@@ -108,12 +109,13 @@ class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     limits: LimitSettings = LimitSettings()
     sensing: SensingSettings = SensingSettings()
     homing: HomingSettings = HomingSettings()
-    resolved_rate: ResolvedRateSettings = ResolvedRateSettings()
 
     def kinematics(self, robot: RobotSettings) -> Kinematics:
         """The model of this robot; raises ControllerSetupError when the sections do not agree."""
         return Kinematics(
             robot.section_length_mm,
-            np.radians([section.pair_angle_deg for section in self.sections]),
+            [np.radians(section.angle_deg) for section in self.sections],
             [section.pitch_radius_mm for section in self.sections],
+            coupling=self.coupling,
+            stage=robot.stage,
         )

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.law import Law, LawInputs, Measurement, Points
+from controller.law import Beginning, Law, LawInputs, Measurement, Points
 from controller.reference import Reference
+from drivers.actuators import ActuatorState
 from messaging.control import Target
 from messaging.shape import ShapeEstimate
 
@@ -67,6 +68,7 @@ def begin(
     before: Task | None,
     *,
     command_mm: Array,
+    lost_motion_mm: Array,
     now_s: float,
 ) -> Task:
     """A task that starts from what is seen now, with all that the law has learnt if it leads the same points as `before`."""
@@ -78,13 +80,28 @@ def begin(
         points=points,
         law_state=before.law_state
         if before is not None and before.leads_the_same(reference.target, points)
-        else law.start(points, command_mm, measurement, now_s),
+        else law.start(
+            Beginning(
+                points=points,
+                command_mm=command_mm,
+                measured=measurement,
+                now_s=now_s,
+                lost_motion_mm=lost_motion_mm,
+            )
+        ),
         **_compare(reference, points, measurement),
     )
 
 
 def advance(
-    law: Law[Any], task: Task, seen: Seen | None, *, command_mm: Array, now_s: float, dt_s: float
+    law: Law[Any],
+    task: Task,
+    seen: Seen | None,
+    *,
+    command_mm: Array,
+    drive: ActuatorState | None,
+    now_s: float,
+    dt_s: float,
 ) -> tuple[Task, Array]:
     """The task one cycle on, and the command (A,) that the law asks for. `seen` is a shape that arrived just now."""
     measured = None
@@ -95,6 +112,7 @@ def advance(
         now_s=now_s,
         dt_s=dt_s,
         command_mm=command_mm,
+        drive=drive,
         desired=task.reference.at(now_s + law.lead_s),
         measured=measured,
     )

@@ -77,18 +77,16 @@ def drive_faults(
     if drive is None:
         return trouble, [DriveLostError(absence)]
     faults: list[FaultError] = []
-    axes = len(limits.low_mm)
     if any(drive.hardware_error):
         bits = ", ".join(
-            f"{axis_name(axis, axes)} 0x{error:02x}"
+            f"{axis_name(axis, limits.tendons)} 0x{error:02x}"
             for axis, error in enumerate(drive.hardware_error)
             if error
         )
         faults.append(ServoAlarmError(f"hardware error bits: {bits}"))
     if not drive.torque:
         faults.append(TorqueLostError("a servo let its tendon go by itself"))
-    position = np.append(drive.displacement_mm, drive.insertion_mm)
-    if beyond := limits.beyond_travel(position, _TRAVEL_TOLERANCE_MM):
+    if beyond := limits.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
         faults.append(TravelError("; ".join(beyond)))
     excess = np.abs(drive.current_ma) > settings.limits.current_ma
     since = np.where(excess, np.minimum(trouble.current_since_s, now_s), np.inf)
@@ -97,7 +95,7 @@ def drive_faults(
         axis = int(lasting.argmax())
         faults.append(
             ExcessCurrentError(
-                f"{axis_name(axis, axes)} draws {drive.current_ma[axis]:.0f} mA for more than "
+                f"{axis_name(axis, limits.tendons)} draws {drive.current_ma[axis]:.0f} mA for more than "
                 f"{settings.limits.current_grace_s:g} s; at most {settings.limits.current_ma:g} mA are allowed"
             )
         )

@@ -32,7 +32,7 @@ class WatchdogExpiredError(ActuatorError):
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class ActuatorState:
-    """One reading of the drive. D tendon pairs; arrays of length D + 1 hold the pairs in order, then the stage.
+    """One reading of the drive. D tendons or pairs; arrays over servos hold them in order, then the stage if there is one.
 
     Positive displacement pulls the pair's first tendon in; positive insertion moves the robot forward.
     `hardware_error` holds each servo's own error bits, 0 when it is well.
@@ -48,6 +48,11 @@ class ActuatorState:
     hardware_error: tuple[int, ...]
     torque: bool
     """True when every servo holds its position; False as soon as one does not."""
+
+    @property
+    def position_mm(self) -> NDArray[np.float64]:
+        """Of every servo: the displacements, and the insertion of a drive that has a stage."""
+        return np.append(self.displacement_mm, self.insertion_mm)[: len(self.current_ma)]
 
 
 class Actuators(Protocol):

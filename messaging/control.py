@@ -123,6 +123,11 @@ class TendonState(Message):
     hardware_error: FloatArray = array("servo")
     torque: bool
 
+    @property
+    def position_mm(self) -> FloatArray:
+        """(servo,): the displacements, and the insertion of a robot that has a stage."""
+        return np.append(self.displacement_mm, self.insertion_mm)[: len(self.current_ma)]
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class ControllerState(Message):

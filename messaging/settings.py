@@ -26,6 +26,8 @@ class RobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     """
 
     section_length_mm: Annotated[tuple[Length, ...], msgspec.Meta(min_length=1, max_length=8)]
+    stage: bool = True
+    """Whether the robot stands on a linear stage that moves it along its axis."""
 
     @property
     def length_mm(self) -> float:

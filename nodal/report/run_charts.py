@@ -168,7 +168,8 @@ def _loop(findings: Findings) -> Iterable[Chart]:
 def _tendons(findings: Findings) -> Iterable[Chart]:
     run = findings.run
     time_s = [findings.second(state.time_ns) for state in run.tendons]
-    travel = np.array([[*state.displacement_mm, state.insertion_mm] for state in run.tendons])
+    travel = np.array([state.position_mm for state in run.tendons])
+    tendons = len(run.tendons[0].displacement_mm) if run.tendons else 0
     current = np.array([state.current_ma for state in run.tendons])
     for key, title, unit, values in (
         ("travel", "Displacement of tendon pairs and stage", "mm", travel),
@@ -181,7 +182,7 @@ def _tendons(findings: Findings) -> Iterable[Chart]:
             x_label=TIME,
             y_label=unit,
             series=tuple(
-                over_time(axis_name(axis, axes), time_s, values[:, axis], axis) for axis in range(axes)
+                over_time(axis_name(axis, tendons), time_s, values[:, axis], axis) for axis in range(axes)
             ),
             wide=True,
         )

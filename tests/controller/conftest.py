@@ -89,7 +89,7 @@ class PaperRobot:
     ):
         self._kinematics, self._arc = kinematics, np.array(node_arc_mm)
         self._gain, self._offset, self._play_mm = gain, offset_mm, play_mm
-        self._pulled_mm = np.zeros(kinematics.pairs)
+        self._pulled_mm = np.zeros(kinematics.tendons)
 
     def move(self, command_mm, dt_s):
         pairs = command_mm[:-1]

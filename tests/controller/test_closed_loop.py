@@ -38,7 +38,7 @@ def open_loop_rms(command_mm, desired_mm):
 
 def model_commands(kinematics, desired_mm):
     """(n, A) commands with which the model alone would follow tip positions (n, 3)."""
-    command, commands = np.append(np.full(kinematics.pairs, 1e-3), 2.0), []
+    command, commands = np.append(np.full(kinematics.tendons, 1e-3), 2.0), []
     for desired in desired_mm:
         for _ in range(3):
             nodes, jacobian = kinematics.nodes_and_jacobian(command, np.array([80.0]))

@@ -184,10 +184,10 @@ def run_away(bench):
 
 TROUBLES = {
     unplug: "/dev/ttyUSB0: the port is gone",
-    alarm: "hardware error bits: pair 1 0x20",
+    alarm: "hardware error bits: tendon 1 0x20",
     let_go: "let its tendon go",
-    overload: "pair 1 draws 1234 mA for more than 0.1 s; at most 1000 mA are allowed",
-    run_away: r"pair 2: .* mm, travel -5 to 5",
+    overload: "tendon 1 draws 1234 mA for more than 0.1 s; at most 1000 mA are allowed",
+    run_away: r"tendon 2: .* mm, travel -5 to 5",
 }
 
 

@@ -42,7 +42,7 @@ def test_what_is_allowed_passes_unchanged_to_the_last_bit(asked):
 def test_what_was_cut_short_is_said_with_value_and_bounds():
     limited = LIMITS.apply(np.array([0.0, 5.6, 0.0, 0.0, 10.0]), np.array([0.0, 5.0, 0.0, 0.0, 0.0]), DT_S)
     np.testing.assert_allclose(limited.command_mm, [0.0, 5.0, 0.0, 0.0, 0.1])
-    assert limited.at_travel == ("pair 2: 5.600 mm asked, travel -5 to 5",)
+    assert limited.at_travel == ("tendon 2: 5.600 mm asked, travel -5 to 5",)
     assert limited.at_rate == ("stage: 2000.000 mm/s asked, rate -20 to 20",)
 
 
@@ -53,4 +53,4 @@ def test_a_command_of_another_size_is_refused():
 
 def test_standing_beyond_travel_is_said():
     assert LIMITS.beyond_travel(np.array([0, 0, 0, 5.4, 0.0]), 0.5) == ()
-    assert LIMITS.beyond_travel(np.array([0, 0, 0, 5.6, 0.0]), 0.5) == ("pair 4: 5.600 mm, travel -5 to 5",)
+    assert LIMITS.beyond_travel(np.array([0, 0, 0, 5.6, 0.0]), 0.5) == ("tendon 4: 5.600 mm, travel -5 to 5",)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from controller.errors import TooFastError, UnknownNodeError, UnreachableError
-from controller.limits import Limits
+from controller.plant import Plant
 from controller.reference import Reference, check_target
 from controller.settings import ControllerSettings
 from messaging.control import Target
@@ -30,9 +30,8 @@ def line(*, repeat=False, end=(10.0, 0.0, 84.0), seconds=2.0):
 @pytest.fixture
 def check(stand_ins):
     settings = ControllerSettings()
-    kinematics = settings.kinematics(stand_ins["ROBOT"])
-    limits = Limits(settings.limits, kinematics.pairs)
-    return lambda target: check_target(target, ARCS, kinematics, limits, settings)
+    plant = Plant.of(settings, stand_ins["ROBOT"])
+    return lambda target: check_target(target, ARCS, plant, settings)
 
 
 @given(st.tuples(*[st.floats(-30, 30)] * 3), st.floats(1.0, 50.0))

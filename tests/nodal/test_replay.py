@@ -250,7 +250,7 @@ class TestWhatIf:
 
     def test_another_gain_gives_other_commands(self, tmp_path):
         out = tmp_path / "what-if.mcap"
-        assert replay(RUN, "--set", "controller.resolved_rate.feedback_per_s=2", "-o", out) == 0
+        assert replay(RUN, "--set", "controller.tuning.feedback_per_s=2", "-o", out) == 0
         before, after = (
             {m.message.time_ns: m.message for m in Log(path).messages([topics.TENDON_COMMAND])}
             for path in (RUN, out)

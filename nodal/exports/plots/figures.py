@@ -119,11 +119,12 @@ def _dashed(label: str, time_s: Array, values: Array) -> Series:
 def _travel(findings: Findings) -> Chart:
     """What each axis was told, in dashes, and what it did."""
     run = findings.run
-    did = np.array([[*state.displacement_mm, state.insertion_mm] for state in run.tendons])
+    did = np.array([state.position_mm for state in run.tendons])
     told = np.array([[*command.displacement_mm, command.insertion_mm] for command in run.commands])
     did_s = [findings.second(state.time_ns) for state in run.tendons]
     told_s = [findings.second(command.time_ns) for command in run.commands]
-    axes = max((values.shape[1] for values in (did, told) if len(values)), default=0)
+    tendons = len(run.commands[0].displacement_mm) if run.commands else did.shape[-1] - 1
+    axes = did.shape[1] if len(did) else told.shape[-1]
     return Chart(
         key="travel",
         title="Tendon pairs and stage",
@@ -131,7 +132,7 @@ def _travel(findings: Findings) -> Chart:
         y_label="mm",
         series=(
             *(
-                over_time(axis_name(axis, axes), did_s, did[:, axis], axis)
+                over_time(axis_name(axis, tendons), did_s, did[:, axis], axis)
                 for axis in range(axes)
                 if len(did)
             ),

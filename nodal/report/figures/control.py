@@ -146,8 +146,9 @@ def _overruns(run: BenchRun) -> int:
 
 def _tendons(run: BenchRun) -> Chapter:
     """Of each tendon pair and the stage: what was asked, what was reached, and how its servo fared."""
-    reached = np.array([[*state.displacement_mm, state.insertion_mm] for state in run.tendons])
-    errors = reached - _asked_before(run) if run.commands else np.zeros((0, reached.shape[1]))
+    reached = np.array([state.position_mm for state in run.tendons])
+    tendons = len(run.tendons[0].displacement_mm)
+    errors = reached - _asked_before(run)[:, : reached.shape[1]] if run.commands else np.zeros((0, reached.shape[1]))
     errors = errors[np.isfinite(errors).all(axis=1)]
     axes = reached.shape[1]
     servos = {
@@ -161,7 +162,7 @@ def _tendons(run: BenchRun) -> Chapter:
         "Tendons and stage",
         tuple(
             Group(
-                axis_name(axis, axes),
+                axis_name(axis, tendons),
                 figures(
                     least_mm=("least", least(reached[:, axis])),
                     most_mm=("most", most(reached[:, axis])),

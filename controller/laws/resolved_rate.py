@@ -19,18 +19,46 @@ the straight posture. They are found anew for each shape, and at the latest afte
 
 import dataclasses
 import math
+from typing import Annotated
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from controller.history import History
-from controller.kinematics import Kinematics
-from controller.law import Desired, LawInputs, Measurement, Points
-from controller.settings import ResolvedRateSettings
+from controller.law import Beginning, Desired, LawInputs, Measurement, Points
+from controller.plant import Plant
 
 Array = NDArray[np.float64]
 
 _PLAN_S = 0.04
+
+
+class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Settings of the law `resolved_rate`."""
+
+    feedback_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 8.0
+    """Speed per distance with which an error is made good."""
+    response_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.04
+    """Time constant with which servos and robot follow a command."""
+    lost_motion_mm: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.4
+    """What backlash and friction swallow when a tendon pair turns round; too little is safe, twice too much is not."""
+    engaging_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
+    """Within how much motion after turning round the lost motion is made up for."""
+    damping_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
+    """Motion of a nodal point per mm of tendon below which the law gives up rather than pull hard."""
+    insertion_cost: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.1
+    """What a mm of the stage costs beside a mm of tendon, where either would do."""
+    posture_per_s: Annotated[float, msgspec.Meta(ge=0, le=10)] = 0.5
+    """How fast the tendons go back to zero in directions that move no nodal point."""
+    measurement_noise_mm: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.05
+    """Standard deviation of one coordinate of a nodal point."""
+    offset_drift_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 0.5
+    """How far the robot may wander from its model in a second, by itself."""
+    gain_drift: Annotated[float, msgspec.Meta(ge=0, le=100)] = 0.3
+    """How much the Jacobian may change in a second, in mm per mm."""
+    maximum_gain_correction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.5
+    """Bound of the Jacobian's correction, as a share of the model's."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,21 +94,18 @@ class ResolvedRateState:
 class ResolvedRate:
     """The law; travels and rates of the axes are not its business."""
 
-    def __init__(
-        self, settings: ResolvedRateSettings, kinematics: Kinematics, maximum_node_speed_mm_s: float
-    ) -> None:
-        """The law never asks a nodal point to move faster than `maximum_node_speed_mm_s`, to catch up neither."""
-        self._maximum_speed_mm_s = maximum_node_speed_mm_s
+    def __init__(self, settings: Tuning, plant: Plant) -> None:
+        """The law never asks a nodal point to move faster than the plant allows, to catch up neither."""
+        self._maximum_speed_mm_s = plant.maximum_node_speed_mm_s
         self._settings = settings
-        self._kinematics = kinematics
-        self._cost = np.append(np.ones(kinematics.pairs), settings.insertion_cost)
-        self._half_lost_mm = np.append(np.full(kinematics.pairs, settings.lost_motion_mm / 2), 0.0)
+        kinematics = self._kinematics = plant.kinematics
+        self._cost = np.append(np.ones(kinematics.tendons), settings.insertion_cost)
+        self._half_lost_mm = np.append(np.full(kinematics.tendons, settings.lost_motion_mm / 2), 0.0)
         self.lead_s = settings.response_s
 
-    def start(
-        self, points: Points, command_mm: Array, measured: Measurement, now_s: float
-    ) -> ResolvedRateState:
+    def start(self, beginning: Beginning) -> ResolvedRateState:
         """Offset from the first measurement, no correction of the Jacobian yet."""
+        points, measured, command_mm = beginning.points, beginning.measured, beginning.command_mm
         nodes = self._kinematics.nodes_mm(command_mm, points.arc_mm)
         axes = self._kinematics.axes
         uncertainty = np.append(self._settings.measurement_noise_mm, np.full(axes, self._settings.gain_drift))
@@ -95,7 +120,7 @@ class ResolvedRate:
             ),
             engaged=np.zeros(axes),
             reached_mm=command_mm,
-            history=History.of(now_s, command_mm),
+            history=History.of(beginning.now_s, command_mm),
             rate_mm_s=np.zeros(axes),
             planned_s=-np.inf,
         )
@@ -170,6 +195,11 @@ class ResolvedRate:
         normal = rows.T @ rows + np.diag((settings.damping_mm * self._cost) ** 2)
         rate: Array = posture + np.linalg.solve(normal, rows.T @ missing)
         return rate
+
+
+def make(tuning: Tuning, plant: Plant) -> ResolvedRate:
+    """The law for this plant."""
+    return ResolvedRate(tuning, plant)
 
 
 def _bounded(gain: Array, bound: Array) -> Array:
