@@ -28,6 +28,7 @@ class EmulatedServos:
         self._lock = threading.Lock()
         self._pty = PtySerial(settings.link, self._receive)
         self._link = settings.link
+        self._unplugged = False
 
     def open(self) -> None:
         """Make the device; raises LinkError."""
@@ -65,7 +66,7 @@ class EmulatedServos:
             raise ServoStepError(
                 f"a step of {dt_s} s with loads {load_torque_Nm} Nm: needed are {count} finite loads and 0 to 1 s"
             )
-        if not self._pty.is_serving:
+        if not (self._pty.is_serving or self._unplugged):
             raise EmulatedServosError(
                 f"nobody serves the emulated servos at {self._link}: not opened, or failed"
             )
@@ -81,10 +82,35 @@ class EmulatedServos:
     def fail(self, servo_id: int, error_bits: int) -> None:
         """Let a servo show a hardware error (bits as in its Hardware Error Status) until it is rebooted."""
         with self._lock:
-            for servo in self._bus.servos:
-                if servo.id == servo_id:
-                    servo.fail(error_bits)
+            self._bus.servo(servo_id).fail(error_bits)
 
-    def _receive(self, data: bytes) -> list[Answer]:
+    def restart(self, servo_id: int) -> None:
+        """Let a servo restart by itself, as after a dip of its supply."""
         with self._lock:
-            return self._bus.receive(data, self._clock())
+            self._bus.servo(servo_id).reboot(self._clock())
+
+    def set_registers(self, servo_id: int, **values: int) -> None:
+        """Have a servo's registers hold other values, past all rules: `id=12` gives two servos one id."""
+        with self._lock:
+            memory = self._bus.servo(servo_id).memory
+            for name, value in values.items():
+                memory[name] = value
+
+    def registers(self, servo_id: int, *names: str) -> tuple[int, ...]:
+        """What stands in a servo's registers."""
+        with self._lock:
+            return tuple(self._bus.servo(servo_id).memory[name] for name in names)
+
+    def unplug(self) -> None:
+        """Take the serial device away; the servos keep their supply and go on as they are."""
+        self._pty.close()
+        self._unplugged = True
+
+    def plug_in(self) -> None:
+        """Bring the serial device back, as another one at the same link; raises LinkError."""
+        self._pty.open()
+        self._unplugged = False
+
+    def _receive(self, data: bytes, baud_rate: int) -> list[Answer]:
+        with self._lock:
+            return self._bus.receive(data, self._clock(), baud_rate)

@@ -3,6 +3,7 @@
 NodalError
 `-- EmulatedServosError       every error of this package
     |-- LinkError             the path that should lead to the serial device is taken or cannot be made
+    |-- NoSuchServoError      no servo has this id
     `-- ServoStepError        loads or a time step that no servo can be stepped with
 """
 
@@ -15,6 +16,10 @@ class EmulatedServosError(NodalError):
 
 class LinkError(EmulatedServosError):
     """The link to the serial device cannot be placed where the settings say."""
+
+
+class NoSuchServoError(EmulatedServosError):
+    """No servo of the emulated bus has the id that was named."""
 
 
 class ServoStepError(EmulatedServosError):

@@ -1,15 +1,16 @@
 """What emulated servos do when instructed, alone or as a group, and what they answer."""
 
 import enum
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from drivers.simulated.servos import packets
+from drivers.simulated.servos.line import TimedBytes, overlaid
 from drivers.simulated.servos.memory import INSTRUCTION_ERROR, LENGTH_ERROR, InstructionRefusedError
 from drivers.simulated.servos.packets import Received
 from drivers.simulated.servos.servo import Servo
 
-TimedBytes = tuple[float, bytes]
-"""The pause on the line in s, and what follows it."""
+Listeners = Mapping[int, Sequence[Servo]]
+"""The servos that listen, by id; two that share one answer at once."""
 
 
 class Single(enum.IntEnum):
@@ -50,26 +51,29 @@ def obey(servo: Servo, packet: Received, now_s: float) -> list[TimedBytes]:
     return [answer] if answers else []
 
 
-def obey_together(packet: Received, servos: Mapping[int, Servo]) -> list[TimedBytes]:
+def obey_together(packet: Received, servos: Listeners, byte_s: float) -> list[TimedBytes]:
     """Several servos carry out an instruction; none answers a malformed one, or a write."""
     parameters = packet.parameters
-    readers = {i: servo for i, servo in servos.items() if servo.memory["status_return_level"] > 0}
+    readers = {
+        servo_id: [servo for servo in sharing if servo.memory["status_return_level"] > 0]
+        for servo_id, sharing in servos.items()
+    }
     try:
         match packet.code:
             case Group.SYNC_READ:
-                return _read_in_turn([(i, parameters[:4]) for i in parameters[4:]], readers)
+                return _read_in_turn([(i, parameters[:4]) for i in parameters[4:]], readers, byte_s)
             case Group.BULK_READ:
                 parts = [parameters[n : n + 5] for n in range(0, len(parameters), 5)]
-                return _read_in_turn([(part[0], part[1:]) for part in parts], readers)
+                return _read_in_turn([(part[0], part[1:]) for part in parts], readers, byte_s)
             case Group.FAST_SYNC_READ:
-                return _read_as_one(parameters[4:], parameters[:4], readers)
+                return _read_as_one(parameters[4:], parameters[:4], readers, byte_s)
             case Group.SYNC_WRITE:
                 writes = _sync_writes(parameters)
             case _:
                 writes = _bulk_writes(parameters)
         for servo_id, address, data in writes:
-            if servo_id in servos:
-                _write_quietly(servos[servo_id], address, data)
+            for servo in servos.get(servo_id, ()):
+                _write_quietly(servo, address, data)
     except InstructionRefusedError:
         return []
     return []
@@ -97,11 +101,17 @@ def _carry_out(servo: Servo, packet: Received, now_s: float) -> bytes:
     return b""
 
 
-def _read_in_turn(wanted: list[tuple[int, bytes]], servos: Mapping[int, Servo]) -> list[TimedBytes]:
-    return [status(servos[i], *_read(servos[i], place)) for i, place in wanted if i in servos]
+def _read_in_turn(wanted: list[tuple[int, bytes]], servos: Listeners, byte_s: float) -> list[TimedBytes]:
+    return [
+        answer
+        for servo_id, place in wanted
+        for answer in overlaid(
+            [status(servo, *_read(servo, place)) for servo in servos.get(servo_id, ())], byte_s
+        )
+    ]
 
 
-def _read_as_one(ids: bytes, place: bytes, servos: Mapping[int, Servo]) -> list[TimedBytes]:
+def _read_as_one(ids: bytes, place: bytes, servos: Listeners, byte_s: float) -> list[TimedBytes]:
     """One packet from all: each servo waits for the one before it, so a silent one silences those behind it."""
     size = _word(place, 2)
     if len(ids) * (size + packets.FAST_PART_EXTRA) >= packets.LENGTH_END:
@@ -109,16 +119,20 @@ def _read_as_one(ids: bytes, place: bytes, servos: Mapping[int, Servo]) -> list[
     packet = packets.fast_status_start(len(ids), size)
     answers: list[TimedBytes] = []
     for servo_id in ids:
-        servo = servos.get(servo_id)
-        if servo is None:
+        if not (sharing := servos.get(servo_id)):
             break
-        error, block = _read(servo, place)
+        delay_s = 0.0 if answers else min(servo.return_delay_s for servo in sharing)
         sent = len(packet) if answers else 0
-        packet = packets.append_crc(
-            packet + bytes((error | servo.alert, servo_id)) + block.ljust(size, b"\0")
-        )
-        answers.append((0.0 if answers else servo.return_delay_s, packet[sent:]))
+        parts = [packets.append_crc(packet + _part(servo, place, size))[sent:] for servo in sharing]
+        for _, heard in overlaid([(0.0, part) for part in parts], byte_s):
+            packet = packet[:sent] + heard
+            answers.append((delay_s, heard))
     return answers
+
+
+def _part(servo: Servo, place: bytes, size: int) -> bytes:
+    error, block = _read(servo, place)
+    return bytes((error | servo.alert, servo.id)) + block.ljust(size, b"\0")
 
 
 def _sync_writes(parameters: bytes) -> Iterator[tuple[int, int, bytes]]:

@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 RESULT_FAIL, INSTRUCTION_ERROR, CRC_ERROR, RANGE_ERROR, LENGTH_ERROR, LIMIT_ERROR, ACCESS_ERROR = range(1, 8)
 
+BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+"""By the value of their register."""
 EEPROM_END = 64
 TABLE_END = 662
 INDIRECT = tuple((168 + 2 * n, 224 + n) for n in range(28)) + tuple((578 + 2 * n, 634 + n) for n in range(28))
@@ -61,6 +63,7 @@ ITEMS = (
     Item("velocity_limit", 44, 4, 350, 0, 1023),
     Item("max_position_limit", 48, 4, 4095, 0, 4095),
     Item("min_position_limit", 52, 4, 0, 0, 4095),
+    Item("startup_configuration", 60, 1, 0, 0, 3),
     Item("shutdown", 63, 1, 52, 0, 63),
     Item("torque_enable", 64, 1, 0, 0, 1),
     Item("led", 65, 1, 0, 0, 1),

@@ -1,9 +1,11 @@
 """The emulated bus's serial device: a pty that clients open like any adapter, and the thread that serves it."""
 
+import fcntl
 import heapq
 import os
 import pty
 import select
+import struct
 import threading
 import time
 import tty
@@ -15,6 +17,10 @@ from typing import Self
 from drivers.simulated.servos.bus import Answer
 from drivers.simulated.servos.errors import LinkError
 
+TERMIOS2 = struct.Struct("=4I B19s 2I")
+TCGETS2 = 0x8000542A | TERMIOS2.size << 16
+"""ioctl(2): struct termios2 of a terminal, whose last field is the speed at which its client sends."""
+
 
 class PtySerial:
     """A pty in raw mode, reached through a symbolic link at a path of one's choice.
@@ -23,8 +29,8 @@ class PtySerial:
     is lost, as on a real line. After kill -9 only a link that leads nowhere is left, which the next `open` replaces.
     """
 
-    def __init__(self, link: str, receive: Callable[[bytes], Iterable[Answer]]) -> None:
-        """Bytes from clients go to `receive`, on this object's thread; `open` begins."""
+    def __init__(self, link: str, receive: Callable[[bytes, int], Iterable[Answer]]) -> None:
+        """Bytes from clients, and at what speed they came, go to `receive` on this object's thread; `open` begins."""
         self._link = Path(link)
         self._receive = receive
         self._thread: threading.Thread | None = None
@@ -100,11 +106,15 @@ class PtySerial:
                 return
             now_s = time.monotonic()
             if ours in ready:
-                for answer in self._receive(os.read(ours, 4096)):
+                for answer in self._receive(os.read(ours, 4096), self._speed()):
                     heapq.heappush(due, (now_s + answer.delay_s, count, answer.data))
                     count += 1
             while due and due[0][0] <= now_s:
                 self._send(heapq.heappop(due)[2])
+
+    def _speed(self) -> int:
+        speed: int = TERMIOS2.unpack(fcntl.ioctl(self._ends[1], TCGETS2, bytes(TERMIOS2.size)))[-1]
+        return speed
 
     def _send(self, data: bytes) -> None:
         try:

@@ -5,6 +5,7 @@ import math
 
 from drivers.simulated.servos.memory import (
     ACCESS_ERROR,
+    BAUD_RATES,
     GOALS,
     INSTRUCTION_ERROR,
     LIMIT_ERROR,
@@ -24,6 +25,7 @@ POSITION_GAIN_UNIT = 128
 WATCHDOG_UNIT_S = 0.02
 WATCHDOG_EXPIRED = -1
 OVERHEATED = 0x04
+OVERLOADED = 0x20
 ALERT = 0x80
 
 HORN_AT_START_TICKS = 2048
@@ -52,10 +54,12 @@ class Servo:
         self._registered: tuple[int, bytes] | None = None
         self._heard_s = 0.0
         self._silent_until_s = -math.inf
+        self._overloaded_s = 0.0
         eeprom = {
             "model_number": settings.model_number,
             "firmware_version": settings.firmware,
             "id": servo_id,
+            "baud_rate": BAUD_RATES.index(settings.baud_rate),
             "operating_mode": settings.operating_mode,
             "return_delay_time": settings.return_delay_us // 2,
         }
@@ -66,6 +70,11 @@ class Servo:
     def id(self) -> int:
         """The id it answers to."""
         return self.memory["id"]
+
+    @property
+    def baud_rate(self) -> int:
+        """The speed that it hears and speaks."""
+        return BAUD_RATES[self.memory["baud_rate"]]
 
     @property
     def return_delay_s(self) -> float:
@@ -129,6 +138,7 @@ class Servo:
         """Restart: silent for a while, RAM, turns and hardware error forgotten."""
         self.memory.forget_ram()
         self._registered = None
+        self._overloaded_s = 0.0
         self._silent_until_s = now_s + self._settings.reboot_s
         self._begin_turns()
 
@@ -146,6 +156,10 @@ class Servo:
         self.memory["realtime_tick"] = int(now_s * 1e3) % 32768
         if self.motor.temperature_C > self.memory["temperature_limit"]:
             self.fail(OVERHEATED)
+        overloaded = abs(self.motor.current_A) >= self._settings.motor.overload_current_A
+        self._overloaded_s = self._overloaded_s + dt_s if overloaded else 0.0
+        if self._overloaded_s > self._settings.motor.overload_s:
+            self.fail(OVERLOADED)
 
     def _put(self, name: str, value: int) -> None:
         if name == "torque_enable" and value and not self.torque_enabled:

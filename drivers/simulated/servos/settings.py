@@ -4,10 +4,12 @@ from typing import Annotated
 
 import msgspec
 
+from drivers.simulated.servos.memory import BAUD_RATES
+
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
 ServoId = Annotated[int, msgspec.Meta(ge=0, le=252)]
-AnswerNumbers = frozenset[Annotated[int, msgspec.Meta(ge=1)]]
+Numbers = frozenset[Annotated[int, msgspec.Meta(ge=1)]]
 
 
 class MotorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -22,6 +24,9 @@ class MotorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     inertia_kg_m2: Positive = 0.012
     friction_Nm: NotNegative = 0.08
     ambient_C: Annotated[float, msgspec.Meta(ge=-5, le=60)] = 28.0
+    overload_current_A: Positive = 2.0
+    overload_s: Positive = 1.0
+    """For how long it takes `overload_current_A` or more before it reports an overload."""
 
 
 class EmulatedServosSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -32,7 +37,7 @@ class EmulatedServosSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
     model_number: Annotated[int, msgspec.Meta(ge=0, le=65535)] = 1020
     firmware: Annotated[int, msgspec.Meta(ge=0, le=255)] = 48
     baud_rate: Annotated[int, msgspec.Meta(ge=9_600, le=4_500_000)] = 1_000_000
-    """How long answers take on the wire; a pty takes any speed a client sets."""
+    """What they speak at first: a client at another speed is not heard."""
     operating_mode: Annotated[int, msgspec.Meta(ge=0, le=16)] = 5
     return_delay_us: Annotated[int, msgspec.Meta(ge=0, le=508)] = 0
     reboot_s: NotNegative = 0.2
@@ -42,14 +47,27 @@ class EmulatedServosSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
         """Check what the bounds of single fields cannot say."""
         if len(set(self.ids)) != len(self.ids):
             raise ValueError(f"ids {list(self.ids)}: every servo needs an id of its own")
+        if self.baud_rate not in BAUD_RATES:
+            raise ValueError(f"baud_rate {self.baud_rate}: servos speak at {', '.join(map(str, BAUD_RATES))}")
 
 
 class Faults(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What goes wrong on the bus: answers by number, counted from 1 since the faults were set, and servos by id."""
+    """What goes wrong on the bus: instructions and answers by number, counted from 1 since the faults were set, and servos by id.
 
-    drop: AnswerNumbers = frozenset()
-    delay: AnswerNumbers = frozenset()
+    What becomes of an answer is told in the order of these fields: one that is dropped is not doubled.
+    """
+
+    unheard: Numbers = frozenset()
+    """Instructions that reach nobody."""
+    drop: Numbers = frozenset()
+    truncate: Numbers = frozenset()
+    corrupt: Numbers = frozenset()
+    noise: Numbers = frozenset()
+    """Answers behind `noise_bytes`."""
+    noise_bytes: bytes = b"\x00\xff\xff\xfd\xfd\x5a"
+    double: Numbers = frozenset()
+    """Answers that come twice, the second time `double_after_s` later."""
+    double_after_s: NotNegative = 0.0
+    delay: Numbers = frozenset()
     delay_s: NotNegative = 0.05
-    corrupt: AnswerNumbers = frozenset()
-    truncate: AnswerNumbers = frozenset()
     silent: frozenset[ServoId] = frozenset()
