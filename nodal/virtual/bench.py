@@ -74,10 +74,15 @@ class VirtualBench:
         """Another bench in the same state."""
         return copy.deepcopy(self)
 
+    def hand_over(self, loop: Controller) -> None:
+        """From now on `loop` controls the bench, with the memory of the one before."""
+        self._loop = loop
+
     def run(self, duration_s: float, *requests: Request) -> tuple[Samples, tuple[Reply, ...]]:
         """Go on for `duration_s`, rounded up to whole steps of the robot; `requests` come in the first cycle."""
         steps = max(1, math.ceil(duration_s / (self._cycles_per_step * self._period_s) - 1e-9))
-        parts, replies = [], []
+        parts: list[Samples] = []
+        replies: list[Reply] = []
         for _ in range(steps):
             part, answers = self._step(requests)
             requests = ()

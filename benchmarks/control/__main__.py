@@ -1,0 +1,77 @@
+"""Every law over seeded random benches in virtual time, open loop beside it: `python -m benchmarks.control`."""
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Sequence
+
+os.environ.setdefault(
+    "OPENBLAS_NUM_THREADS", "1"
+)  # before numpy comes: small matrices, and a process for each core
+
+from benchmarks.control.running import OPEN_LOOP, Job, Result, law_name, run_all
+from benchmarks.control.scenarios import SCENARIOS
+from benchmarks.control.table import HEAD, LEGEND, rows, yardsticks
+from controller.laws import law_names
+
+BENCHES, QUICK_BENCHES = 12, 3
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Measure and print; `words` are those of the command line unless given."""
+    arguments = _arguments(words)
+    laws = (*arguments.laws, OPEN_LOOP)
+    seeds = range(arguments.seed, arguments.seed + arguments.benches)
+    jobs = [
+        Job(seed=seed, law=law, scenarios=(scenario,))
+        for seed in seeds
+        for scenario in arguments.scenarios
+        for law in laws
+    ]
+    start_s = time.perf_counter()
+    results: list[Result] = [result for found in run_all(jobs, arguments.jobs) for result in found]
+    names = [law_name(law) for law in laws]
+    print(f"{arguments.benches} benches from seed {arguments.seed}", HEAD, sep="\n")
+    print(*rows(results, names), LEGEND, "", sep="\n")
+    for law in names[:-1]:
+        print(*yardsticks(results, law, names[-1]), sep="\n")
+    for result in results:
+        if result.figures.fault:
+            print(f"fault: {result.scenario}, {result.law}, bench {result.seed}: {result.figures.fault}")
+    simulated_s, busy_s = sum(r.simulated_s for r in results), sum(r.real_s for r in results)
+    print(
+        f"{simulated_s:.0f} s of benches in {time.perf_counter() - start_s:.0f} s with {arguments.jobs} processes: "
+        f"each {simulated_s / busy_s:.1f} x faster than real time"
+    )
+    return 0
+
+
+def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.control", description=__doc__)
+    names = tuple(scenario.name for scenario in SCENARIOS)
+    parser.add_argument(
+        "--benches", type=int, default=None, metavar="N", help=f"how many (default {BENCHES})"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the first bench (default 1)")
+    parser.add_argument(
+        "--laws", type=_list, default=law_names(), metavar="NAME,FILE", help="names or law files"
+    )
+    parser.add_argument(
+        "--scenarios", type=_list, default=names, metavar="NAME,NAME", help=f"of {', '.join(names)}"
+    )
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK_BENCHES} benches")
+    arguments = parser.parse_args(words)
+    arguments.benches = arguments.benches or (QUICK_BENCHES if arguments.quick else BENCHES)
+    if unknown := [name for name in arguments.scenarios if name not in names]:
+        parser.error(f"no scenario {', '.join(unknown)}; there are {', '.join(names)}")
+    return arguments
+
+
+def _list(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

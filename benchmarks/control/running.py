@@ -1,0 +1,99 @@
+"""One run: a bench, a law, a scenario. And all of them, in several processes."""
+
+import dataclasses
+import logging
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.control.figures import Figures
+from benchmarks.control.scenarios import SCENARIOS, Scenario, tuned
+from controller.loop import Loop
+from controller.plant import Plant
+from controller.settings import ControllerSettings
+from messaging.settings import RobotSettings
+from nodal.virtual.bench import VirtualBench
+from nodal.virtual.errors import VirtualBenchError
+from nodal.virtual.random_bench import random_bench
+
+ROBOT = RobotSettings(section_length_mm=(40.0, 40.0))
+"""What every controller is told: the nominal robot."""
+OPEN_LOOP = str(Path(__file__).with_name("open_loop.py"))
+NOT_RUN = Figures(
+    rms_mm=np.inf, worst_mm=np.inf, held=1.0, violations=0, slack=0.0, unstable=False, fault="not run"
+)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Job:
+    """A law on one bench through some scenarios."""
+
+    seed: int
+    law: str
+    scenarios: tuple[str, ...]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Result:
+    """What came of one scenario of a job."""
+
+    seed: int
+    law: str
+    scenario: str
+    figures: Figures
+    simulated_s: float
+    real_s: float
+
+
+def controlled_by(law: str) -> ControllerSettings:
+    """Nominal settings with a law by its name, or by the path of its file."""
+    return ControllerSettings(law_file=law) if law.endswith(".py") else ControllerSettings(law=law)
+
+
+def law_name(law: str) -> str:
+    """What the table calls it."""
+    return Path(law).stem
+
+
+def run(job: Job) -> list[Result]:
+    """Every scenario of a job; benches that differ only in what happens later are homed once."""
+    logging.getLogger("controller").setLevel(logging.ERROR)
+    return [_played(job, scenario) for scenario in SCENARIOS if scenario.name in job.scenarios]
+
+
+def _played(job: Job, scenario: Scenario) -> Result:
+    settings = scenario.build(random_bench(job.seed))
+    controller = tuned(controlled_by(job.law), settings)
+    limits = Plant.of(controller, ROBOT).limits
+    # a law that never looks cannot home
+    homing = tuned(ControllerSettings(), settings) if job.law == OPEN_LOOP else controller
+    start_s = time.perf_counter()
+    bench = VirtualBench(settings, homing, ROBOT)
+    begun_s = bench.now_s
+    try:
+        bench.home()
+        bench.hand_over(Loop(controller, ROBOT))
+        figures = scenario.play(bench, limits)
+    except VirtualBenchError as error:
+        figures = dataclasses.replace(NOT_RUN, fault=str(error))
+    return Result(
+        seed=job.seed,
+        law=law_name(job.law),
+        scenario=scenario.name,
+        figures=figures,
+        simulated_s=bench.now_s - begun_s,
+        real_s=time.perf_counter() - start_s,
+    )
+
+
+def run_all(jobs: Sequence[Job], processes: int) -> Iterator[list[Result]]:
+    """Results job by job, as they come."""
+    if processes == 1:
+        yield from map(run, jobs)
+        return
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(run, jobs)
