@@ -65,8 +65,8 @@ class Reply(Message):
 class Target(Message):
     """Where named nodal points should go, in the robot frame: a pose to hold (one moment), or a path through time.
 
-    `time_s` starts at 0 and increases; a path that repeats starts again at its first moment when the last is reached,
-    so its first and last positions should agree. Between moments positions are interpolated.
+    `time_s` starts at 0 and increases; a path that repeats goes on from its moment `repeat_from_s` when the last is
+    reached, so its positions at these two should agree. Between moments positions are interpolated.
     """
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.Target
@@ -77,6 +77,7 @@ class Target(Message):
     time_s: FloatArray = array("moment")
     position_mm: FloatArray = array("moment", "node", 3)
     repeat: bool
+    repeat_from_s: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what nothing could follow; raises InvalidMessageError."""
@@ -87,6 +88,10 @@ class Target(Message):
             )
         if not len(self.time_s) or self.time_s[0] != 0 or (np.diff(self.time_s) <= 0).any():
             raise InvalidMessageError(f"target {self.name}: times must start at 0 s and increase")
+        if self.repeat_from_s and self.repeat_from_s not in self.time_s[:-1]:
+            raise InvalidMessageError(
+                f"target {self.name}: repeats from {self.repeat_from_s:g} s; that must be a moment of the path before its last"
+            )
         if (self.weights < 0).any() or not (self.weights > 0).any():
             raise InvalidMessageError(
                 f"target {self.name}: weights {self.weights.tolist()} must be 0 or more, and one above 0"

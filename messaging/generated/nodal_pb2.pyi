@@ -79,20 +79,22 @@ class NodalPoints(_message.Message):
     def __init__(self, names: _Optional[_Iterable[str]] = ..., arc_mm: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Target(_message.Message):
-    __slots__ = ("name", "node_names", "weights", "time_s", "position_mm", "repeat")
+    __slots__ = ("name", "node_names", "weights", "time_s", "position_mm", "repeat", "repeat_from_s")
     NAME_FIELD_NUMBER: _ClassVar[int]
     NODE_NAMES_FIELD_NUMBER: _ClassVar[int]
     WEIGHTS_FIELD_NUMBER: _ClassVar[int]
     TIME_S_FIELD_NUMBER: _ClassVar[int]
     POSITION_MM_FIELD_NUMBER: _ClassVar[int]
     REPEAT_FIELD_NUMBER: _ClassVar[int]
+    REPEAT_FROM_S_FIELD_NUMBER: _ClassVar[int]
     name: str
     node_names: _containers.RepeatedScalarFieldContainer[str]
     weights: _containers.RepeatedScalarFieldContainer[float]
     time_s: _containers.RepeatedScalarFieldContainer[float]
     position_mm: _containers.RepeatedScalarFieldContainer[float]
     repeat: bool
-    def __init__(self, name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., weights: _Optional[_Iterable[float]] = ..., time_s: _Optional[_Iterable[float]] = ..., position_mm: _Optional[_Iterable[float]] = ..., repeat: _Optional[bool] = ...) -> None: ...
+    repeat_from_s: float
+    def __init__(self, name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., weights: _Optional[_Iterable[float]] = ..., time_s: _Optional[_Iterable[float]] = ..., position_mm: _Optional[_Iterable[float]] = ..., repeat: _Optional[bool] = ..., repeat_from_s: _Optional[float] = ...) -> None: ...
 
 class ActionRequest(_message.Message):
     __slots__ = ("action",)

@@ -95,6 +95,7 @@ SPECIAL = {
     (Target, "node_names"): _different_names,
     (Target, "time_s"): _increasing,
     (Target, "weights"): _weights,
+    (Target, "repeat_from_s"): lambda: st.just(0.0),
 }
 
 

@@ -122,6 +122,7 @@ def test_bad_nodal_points_are_refused(changes, words):
         ({"weights": [-1]}, "0 or more"),
         ({"position_mm": np.full((2, 1, 3), np.nan)}, "finite"),
         ({"position_mm": np.zeros((1, 1, 3))}, "shape"),
+        ({"repeat_from_s": 0.7}, "repeats from 0.7 s; that must be a moment of the path before its last"),
     ],
 )
 def test_targets_that_nothing_could_follow_are_refused(changes, words):
