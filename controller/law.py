@@ -14,13 +14,30 @@ from drivers.actuators import ActuatorState
 Array = NDArray[np.float64]
 S = TypeVar("S")
 
+SAME_ARC_MM = 1.0
+"""How far a nodal point may wander along the robot, by measuring, and still be the same point."""
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
-    """A shape that arrived in this cycle: nodal points (m, 3) in the robot frame at `capture_s` on the loop's clock."""
+    """A shape that arrived in this cycle, with all its nodal points, k of them, in the robot frame.
+
+    `capture_s` is when its frames were taken, on the loop's clock; `led` (m,) are the rows of the points that are led.
+    """
 
     capture_s: float
+    arc_mm: Array
+    """(k,)."""
     node_mm: Array
+    """(k, 3)."""
+    covariance_mm2: Array
+    """(k, 3, 3)."""
+    led: NDArray[np.intp]
+
+    @property
+    def led_mm(self) -> Array:
+        """(m, 3) where the points that are led were seen."""
+        return self.node_mm[self.led]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,16 +50,25 @@ class Desired:
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Points:
-    """Which nodal points a law looks after: arc lengths (m,), weights (m,), and the axes (A,) that it may move."""
+    """Which nodal points a law leads: arc lengths (m,), weights (m,), and the axes (A,) that it may move."""
 
     arc_mm: Array
     weights: Array
     movable: NDArray[np.bool_]
 
+    def same_as(self, other: "Points") -> bool:
+        """True when these are the same points, and weigh and move alike."""
+        return (
+            np.array_equal(self.weights, other.weights)
+            and np.array_equal(self.movable, other.movable)
+            and bool(np.abs(self.arc_mm - other.arc_mm).max() < SAME_ARC_MM)
+        )
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Beginning:
-    """What a law begins with. `command_mm` (A,) is what the actuators were last told.
+class Beginning(Generic[S]):
+    """What a law begins with. `command_mm` (A,) is what the actuators were last told; `before` is what the law remembers of
+    what it did last, on this robot since it was homed: other points perhaps, or the same.
 
     `lost_motion_mm` (A,) is what play and friction swallow where an axis turns round, as homing found it; NaN where it did
     not look.
@@ -53,6 +79,7 @@ class Beginning:
     measured: Measurement
     now_s: float
     lost_motion_mm: Array
+    before: S | None
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,8 +102,8 @@ class Law(Protocol, Generic[S]):
     lead_s: float
     """How far ahead of now `desired` should be, so that the robot arrives in time."""
 
-    def start(self, beginning: Beginning) -> S:
-        """The memory of a law that begins with these points and knows nothing of what was before."""
+    def start(self, beginning: Beginning[S]) -> S:
+        """The memory of a law that begins with these points."""
         ...
 
     def step(self, state: S, inputs: LawInputs) -> tuple[S, Array]:

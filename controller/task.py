@@ -7,16 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.law import Beginning, Law, LawInputs, Measurement, Points
+from controller.law import SAME_ARC_MM, Beginning, Law, LawInputs, Measurement, Points
 from controller.reference import Reference
 from drivers.actuators import ActuatorState
 from messaging.control import Target
 from messaging.shape import ShapeEstimate
 
 Array = NDArray[np.float64]
-
-_SAME_ARC_MM = 1.0
-"""How far a nodal point may wander along the robot, by measuring, and still be the same point."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,10 +24,15 @@ class Seen:
     capture_s: float
     arrived_s: float
 
-    def nodes(self, names: tuple[str, ...]) -> tuple[Array, Array]:
-        """Arc lengths (m,) and positions (m, 3) of these nodal points; raises ValueError for a name that is not there."""
-        rows = [self.shape.node_names.index(name) for name in names]
-        return self.shape.node_arc_mm[rows], self.shape.node_mm[rows]
+    def measurement(self, names: tuple[str, ...]) -> Measurement:
+        """All nodal points, with these led; raises ValueError for a name that is not there."""
+        return Measurement(
+            capture_s=self.capture_s,
+            arc_mm=self.shape.node_arc_mm,
+            node_mm=self.shape.node_mm,
+            covariance_mm2=self.shape.node_covariance_mm2,
+            led=np.array([self.shape.node_names.index(name) for name in names], dtype=np.intp),
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,16 +46,6 @@ class Task:
     measured_mm: Array
     error_mm: float
     """Weighted RMS distance between the two."""
-
-    def leads_the_same(self, target: Target, points: Points) -> bool:
-        """True when `points` of `target` are this task's, and weigh and move alike."""
-        mine = self.points
-        return (
-            self.reference.target.node_names == target.node_names
-            and np.array_equal(mine.weights, points.weights)
-            and np.array_equal(mine.movable, points.movable)
-            and bool(np.abs(mine.arc_mm - points.arc_mm).max() < _SAME_ARC_MM)
-        )
 
     def settled(self, within_mm: float, now_s: float) -> bool:
         """True when the reference has arrived and the nodal points are near it."""
@@ -71,22 +63,22 @@ def begin(
     lost_motion_mm: Array,
     now_s: float,
 ) -> Task:
-    """A task that starts from what is seen now, with all that the law has learnt if it leads the same points as `before`."""
-    arc, measured = seen.nodes(reference.target.node_names)
-    points = Points(arc_mm=arc, weights=reference.target.weights, movable=movable)
-    measurement = Measurement(capture_s=seen.capture_s, node_mm=measured)
+    """A task that starts from what is seen now, with all that the law has learnt in `before`."""
+    measurement = seen.measurement(reference.target.node_names)
+    points = Points(
+        arc_mm=measurement.arc_mm[measurement.led], weights=reference.target.weights, movable=movable
+    )
     return Task(
         reference=reference,
         points=points,
-        law_state=before.law_state
-        if before is not None and before.leads_the_same(reference.target, points)
-        else law.start(
+        law_state=law.start(
             Beginning(
                 points=points,
                 command_mm=command_mm,
                 measured=measurement,
                 now_s=now_s,
                 lost_motion_mm=lost_motion_mm,
+                before=None if before is None else before.law_state,
             )
         ),
         **_compare(reference, points, measurement),
@@ -104,10 +96,7 @@ def advance(
     dt_s: float,
 ) -> tuple[Task, Array]:
     """The task one cycle on, and the command (A,) that the law asks for. `seen` is a shape that arrived just now."""
-    measured = None
-    if seen is not None:
-        _, node_mm = seen.nodes(task.reference.target.node_names)
-        measured = Measurement(capture_s=seen.capture_s, node_mm=node_mm)
+    measured = None if seen is None else seen.measurement(task.reference.target.node_names)
     inputs = LawInputs(
         now_s=now_s,
         dt_s=dt_s,
@@ -123,9 +112,9 @@ def advance(
 
 def _compare(reference: Reference, points: Points, measured: Measurement) -> dict[str, Any]:
     desired_mm = reference.at(measured.capture_s).node_mm
-    squared = ((desired_mm - measured.node_mm) ** 2).sum(axis=1)
+    squared = ((desired_mm - measured.led_mm) ** 2).sum(axis=1)
     error_mm = math.sqrt(squared @ points.weights / points.weights.sum())
-    return {"desired_mm": desired_mm, "measured_mm": measured.node_mm, "error_mm": error_mm}
+    return {"desired_mm": desired_mm, "measured_mm": measured.led_mm, "error_mm": error_mm}
 
 
 def straight_target(shape: ShapeEstimate) -> Target:
@@ -143,7 +132,7 @@ def straight_target(shape: ShapeEstimate) -> Target:
 
 def starting_points(target: Target, seen: Seen, task: Task | None, now_s: float) -> Array:
     """(m, 3) where a new reference begins: where nodal points are led just now, or where they are seen."""
-    _, start = seen.nodes(target.node_names)
+    start = seen.measurement(target.node_names).led_mm
     if task is None:
         return start
     led = dict(zip(task.reference.target.node_names, task.reference.at(now_s).node_mm, strict=True))
@@ -163,4 +152,4 @@ def misfit(task: Task, shape: ShapeEstimate) -> str:
         return missing
     rows = [shape.node_names.index(name) for name in names]
     shift = np.abs(shape.node_arc_mm[rows] - task.points.arc_mm).max()
-    return f"nodal points were moved by {shift:.1f} mm along the robot" if shift > _SAME_ARC_MM else ""
+    return f"nodal points were moved by {shift:.1f} mm along the robot" if shift > SAME_ARC_MM else ""

@@ -103,9 +103,11 @@ class ResolvedRate:
         self._half_lost_mm = np.append(np.full(kinematics.tendons, settings.lost_motion_mm / 2), 0.0)
         self.lead_s = settings.response_s
 
-    def start(self, beginning: Beginning) -> ResolvedRateState:
+    def start(self, beginning: Beginning[ResolvedRateState]) -> ResolvedRateState:
         """Offset from the first measurement, no correction of the Jacobian yet."""
         points, measured, command_mm = beginning.points, beginning.measured, beginning.command_mm
+        if beginning.before is not None and beginning.before.points.same_as(points):
+            return beginning.before
         nodes = self._kinematics.nodes_mm(command_mm, points.arc_mm)
         axes = self._kinematics.axes
         uncertainty = np.append(self._settings.measurement_noise_mm, np.full(axes, self._settings.gain_drift))
@@ -114,7 +116,7 @@ class ResolvedRate:
             correction=Correction(
                 capture_s=measured.capture_s,
                 command_mm=command_mm,
-                offset_mm=measured.node_mm - nodes,
+                offset_mm=measured.led_mm - nodes,
                 gain=np.zeros((*nodes.shape, axes)),
                 covariance=np.diag(uncertainty**2),
             ),
@@ -167,7 +169,7 @@ class ResolvedRate:
         drift = np.append(settings.offset_drift_mm, np.full(len(moved), settings.gain_drift))
         covariance = transition @ before.covariance @ transition.T + np.diag(drift**2 * elapsed_s)
         kalman = covariance[0] / (covariance[0, 0] + settings.measurement_noise_mm**2)
-        innovation = measured.node_mm - nodes - predicted
+        innovation = measured.led_mm - nodes - predicted
         gain = before.gain + innovation[..., None] * kalman[1:]
         return Correction(
             capture_s=measured.capture_s,
