@@ -3,6 +3,7 @@
 NodalError
 `-- ControllerError
     |-- ControllerSetupError      settings that do not fit the robot, or name a law that does not exist
+    |   `-- RealTimeRefusedError  the system does not allow what [controller.real_time] asks for
     |-- TargetError               a target that is refused; nothing moves because of it
     |   |-- UnknownNodeError      it names a nodal point that sensing does not report
     |   |-- UnreachableError      a point lies where the robot cannot bring it
@@ -28,6 +29,10 @@ class ControllerError(NodalError):
 
 class ControllerSetupError(ControllerError):
     """The settings do not describe a controller for this robot."""
+
+
+class RealTimeRefusedError(ControllerSetupError):
+    """The system does not let the control loop have the scheduling, memory or cores that it was set to have."""
 
 
 class TargetError(ControllerError):

@@ -7,11 +7,12 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from controller import account
+from controller import account, real_time
 from controller.cycle import Inputs
 from controller.drive import Drive
 from controller.loop import Loop
 from controller.pace import Pace
+from controller.punctuality import Punctuality
 from controller.settings import ControllerSettings
 from controller.wire import Wire
 from drivers.actuators import Actuators
@@ -43,9 +44,11 @@ def run(
 ) -> None:
     """Control the robot until `stop`; however this ends, the tendons are let go.
 
-    Raises ControllerSetupError when the settings do not fit the robot. A missing drive or silent sensing ends nothing.
+    Raises ControllerSetupError when the settings do not fit the robot, and RealTimeRefusedError. A missing drive or silent
+    sensing ends nothing.
     """
     loop = Loop(settings, robot)
+    real_time.enter(settings.real_time)
     state, busy_s, remember_at_s = loop.start(), 0.0, 0.0
     drive = Drive(actuators)
     wire = Wire(session, time.monotonic())
@@ -54,15 +57,18 @@ def run(
     gc.freeze()
     gc.disable()  # what collections there are come after a cycle's work
     pace = Pace(settings.rate_hz)
+    punctuality = Punctuality(time.monotonic())
     try:
         while not stop.is_set():
             beat = pace.wait()
-            sighting = wire.sighting(beat.now_s)
+            reading = drive.read(
+                beat.now_s
+            )  # takes longest, so that what comes meanwhile is seen in this cycle
             inputs = Inputs(
                 now_s=beat.now_s,
                 dt_s=beat.dt_s,
-                sighting=sighting,
-                drive=drive.read(beat.now_s),
+                sighting=wire.sighting(beat.now_s),
+                drive=reading,
                 absence=drive.absence,
                 requests=wire.requests(),
             )
@@ -75,15 +81,18 @@ def run(
                 busy_s=busy_s,
                 overruns=beat.overruns,
             )
-            number = wire.say(
-                outputs,
-                account.account_of(before, state, inputs, outputs, commanded=written, timing=timing),
-            )
+            said = account.account_of(before, state, inputs, outputs, commanded=written, timing=timing)
+            number = wire.say(outputs, said)
             if beat.now_s >= remember_at_s:
                 remember_at_s = beat.now_s + _MEMORY_PERIOD_S
                 wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes(), publication=number))
             if state.mode is not before.mode:
                 logger.info("%s: %s", state.mode, outputs.reason)
+            punctuality.note(timing, said.command)
+            if warning := punctuality.warning(beat.overruns, beat.now_s):
+                logger.warning("%s", warning)
+            if summary := punctuality.summary(beat.overruns, beat.now_s):
+                logger.info("%s", summary)
             healthy()
             if beat.cycle % _CYCLES_PER_COLLECTION == 0:
                 gc.collect(0)

@@ -82,6 +82,17 @@ class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     timeout_s: Seconds = 20.0
 
 
+class RealTimeSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the control loop asks of the kernel; docs/real-time.md says what it gains, and what allows it."""
+
+    fifo_priority: Annotated[int, msgspec.Meta(ge=0, le=99)] = 0
+    """SCHED_FIFO with this priority for the loop's thread alone; 0 leaves it an ordinary one."""
+    lock_memory: bool = False
+    """Keep all memory of the process in RAM, so that no cycle waits for a page."""
+    cpus: tuple[Annotated[int, msgspec.Meta(ge=0, le=4095)], ...] = ()
+    """The cores on which the loop's thread may run; empty leaves that to the kernel."""
+
+
 class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Everything the controller needs beside the robot.
 
@@ -109,6 +120,7 @@ class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     limits: LimitSettings = LimitSettings()
     sensing: SensingSettings = SensingSettings()
     homing: HomingSettings = HomingSettings()
+    real_time: RealTimeSettings = RealTimeSettings()
 
     def kinematics(self, robot: RobotSettings) -> Kinematics:
         """The model of this robot; raises ControllerSetupError when the sections do not agree."""

@@ -35,12 +35,13 @@ class Wire:
         self._queries: list[Query] = []
 
     def sighting(self, now_s: float) -> Sighting | None:
-        """The newest shape that was not seen yet.
+        """The newest shape that was not seen yet, and its age at `now_s`, which may be a little ago.
 
-        Its age is what its publisher measured plus the time since. On one host that time is the difference of Unix
+        The age is what its publisher measured plus the time since. On one host that time is the difference of Unix
         times; clocks of two hosts may disagree, but a message cannot have waited here since before the last look.
         """
-        at_most_s, self._looked_s = now_s - self._looked_s, now_s
+        looked_s = time.monotonic()
+        at_most_s, self._looked_s = looked_s - self._looked_s, looked_s
         try:
             taken = self._shapes.take()
         except (CodecError, InvalidMessageError) as error:
@@ -52,7 +53,8 @@ class Wire:
         if not isinstance(shape, ShapeEstimate):
             raise TypeError(f"{topics.SHAPE.key} carries a {type(shape).__name__}")
         waited_s = min(max((time.time_ns() - envelope.publish_time_ns) * 1e-9, 0.0), at_most_s)
-        return Sighting(shape=shape, age_s=shape.capture_to_publish_ns * 1e-9 + waited_s)
+        age_s = shape.capture_to_publish_ns * 1e-9 + waited_s - (looked_s - now_s)
+        return Sighting(shape=shape, age_s=age_s)
 
     def requests(self) -> tuple[Request, ...]:
         """What was asked since the last cycle; what is not readable is answered at once."""

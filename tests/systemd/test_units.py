@@ -1,6 +1,7 @@
 """The units say nothing that systemd does not understand, and leave the services little to break."""
 
 import ctypes
+import json
 import os
 import re
 import shutil
@@ -117,3 +118,18 @@ def test_the_libraries_run_without_memory_that_is_writable_and_executable():
         check=False,
     )
     assert confined.returncode == 0, confined.stderr
+
+
+def test_only_the_controller_may_ask_for_real_time(analyze, installed):
+    def restricted(service):
+        _, said = analyze(installed, "security", "--offline=yes", "--json=short", str(installed / service))
+        return next(row["set"] for row in json.loads(said) if row["json_field"] == "RestrictRealtime")
+
+    assert {service: restricted(service) for service in SERVICES} == {
+        service: service != "nodal-control.service" for service in SERVICES
+    }
+
+
+def test_what_the_controller_may_ask_for_is_granted_by_its_unit():
+    granted = (SYSTEMD / "nodal-control.service.d" / "real-time.conf").read_text().splitlines()
+    assert {"RestrictRealtime=no", "LimitRTPRIO=50", "LimitMEMLOCK=infinity"} <= set(granted)
