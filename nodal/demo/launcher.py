@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -23,12 +23,16 @@ class Stopped(Exception):  # noqa: N818  an order, not an error
 class Launcher:
     """Owns the processes. Whoever waits for anything waits here, so that processes are tended meanwhile."""
 
-    def __init__(self, folder: DemoFolder, stop: threading.Event) -> None:
+    def __init__(
+        self, folder: DemoFolder, stop: threading.Event, names: Sequence[str] = STOP_ORDER
+    ) -> None:
+        """`names` are the processes to start, where not all are wanted."""
         # a recorder that was killed must find the recording that it goes on with
         more = {"record": ("--file", str(folder.recording))}
         self.children = {
             name: Child(name, ("--config", str(folder.bench_file), *more.get(name, ())), folder.logs)
             for name in STOP_ORDER
+            if name in names
         }
         self.on_turn: Callable[[], None] = lambda: None
         """Called on every turn of every wait: the place for a progress display."""
@@ -46,10 +50,11 @@ class Launcher:
     def start(self) -> None:
         """Start every process and wait until it is ready; raises ProcessError with its last words, or Stopped."""
         for names in START_ORDER:
-            for name in names:
-                self.children[name].start()
+            together = [self.children[name] for name in names if name in self.children]
+            for child in together:
+                child.start()
             deadline_s = time.monotonic() + READY_WITHIN_S
-            while late := [self.children[name] for name in names if not self.children[name].ready]:
+            while late := [child for child in together if not child.ready]:
                 if time.monotonic() > deadline_s:
                     raise ProcessError(
                         f"{late[0].name} was not ready within {READY_WITHIN_S:g} s; {late[0].last_words()}"
@@ -75,6 +80,6 @@ class Launcher:
 
     def stop(self) -> None:
         """End every process, the recorder after all that it records."""
-        for name in STOP_ORDER:
-            self.children[name].stop()
-            self.children[name].close()
+        for child in self.children.values():
+            child.stop()
+            child.close()

@@ -1,0 +1,1 @@
+"""From a picture's capture to the command that it led to, in the real processes."""
