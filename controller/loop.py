@@ -13,7 +13,7 @@ from controller.cycle import Inputs, LoopState, Outputs, Request
 from controller.errors import CommandNotFiniteError, LawFailedError, TargetError
 from controller.motion import Motion
 from controller.plant import Plant
-from controller.reference import check_target
+from controller.reachability import check_target
 from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
 from controller.task import Seen

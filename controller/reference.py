@@ -1,179 +1,124 @@
-"""From a target to where nodal points should be now; and whether the robot could get there, said before it moves.
+"""From a target to where nodal points should be now. Pure.
 
-Pure. A reference joins its path softly: from where the nodal points are, along straight lines, with the speed of a
-minimum-jerk motion (Flash, Hogan 1985) that never exceeds the bound, to the moment of the path at which it goes on.
+A reference joins its path softly: from where the nodal points are, along straight lines, with the speed of a minimum-jerk
+motion (Flash, Hogan 1985) that never exceeds the bound, to the moment of the path at which it goes on; what moves already
+slows down meanwhile. Along the path it sets off from a stand and, if the path does not repeat, comes to a stand at its end.
+It can be paused anywhere, and goes on from there.
 """
 
 import dataclasses
-from collections.abc import Mapping
+import math
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.errors import TooFastError, UnknownNodeError, UnreachableError
+from controller.easing import EASING_S, OwnTime, Stretch, eased, eased_area
 from controller.law import Desired
-from controller.plant import Plant
-from controller.settings import ControllerSettings
+from controller.path import along
 from messaging.control import Target
 
 Array = NDArray[np.float64]
 
 _MINIMUM_JERK_PEAK = 1.875
 """Highest over mean speed of a minimum-jerk motion."""
-_SEAM_MM = 0.1
-"""How far a repeating path's end may lie from its beginning."""
-_CHECKED_MOMENTS = 64
-_SOLVER_STEPS = 40
-_SOLVER_DAMPING_MM = 0.3
-_SOLVER_STEP_MM = 1.0
+_SLOWED_BY_S = 4 * EASING_S
+"""An approach this long gains speed more slowly than what moved before loses it, so both together keep to the bound."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Reference:
-    """A target on its way: from `start_mm` (m, 3) at `start_s`, joining the path's `joined_s` after `approach_s`."""
+    """A target on its way: from `start_mm` (m, 3), moving by `start_mm_s`, joining the path's `joined_s` after `approach_s`."""
 
     target: Target
     start_mm: Array
-    start_s: float
+    start_mm_s: Array
     approach_s: float
     joined_s: float
+    own_time: OwnTime
+    """Counts from the beginning, and stands while the reference is paused."""
 
     @classmethod
     def towards(
-        cls, target: Target, start_mm: Array, now_s: float, speed_mm_s: float, joined_s: float = 0.0
+        cls,
+        target: Target,
+        start_mm: Array,
+        now_s: float,
+        speed_mm_s: float,
+        joined_s: float = 0.0,
+        *,
+        start_mm_s: Array | None = None,
     ) -> Self:
-        """Begin now from `start_mm` (m, 3), no weighted nodal point faster than `speed_mm_s` until the path is joined."""
-        gap = np.linalg.norm(_path(target, joined_s).node_mm - start_mm, axis=1)[target.weights > 0].max()
+        """Begin now from `start_mm` (m, 3), no weighted nodal point faster than `speed_mm_s` until the path is joined.
+
+        `start_mm_s` (m, 3) is how nodal points move at the beginning, if they do.
+        """
+        if start_mm_s is None:
+            start_mm_s = np.zeros_like(start_mm)
+        driven = target.weights > 0
+        way = along(target, joined_s).node_mm - start_mm - EASING_S / 2 * start_mm_s
+        approach_s = float(_MINIMUM_JERK_PEAK * np.linalg.norm(way, axis=1)[driven].max() / speed_mm_s)
+        if start_mm_s[driven].any():
+            approach_s = max(approach_s, _SLOWED_BY_S)
         return cls(
             target=target,
             start_mm=start_mm,
-            start_s=now_s,
-            approach_s=float(_MINIMUM_JERK_PEAK * gap / speed_mm_s),
+            start_mm_s=start_mm_s,
+            approach_s=approach_s,
             joined_s=joined_s,
+            own_time=OwnTime(now_s=now_s),
         )
+
+    def paused(self, now_s: float) -> Self:
+        """The same, slowing down to a stand along its way from now on."""
+        return dataclasses.replace(self, own_time=self.own_time.aimed(0.0, now_s))
+
+    def resumed(self, now_s: float) -> Self:
+        """The same, setting off again from where it stands."""
+        return dataclasses.replace(self, own_time=self.own_time.aimed(1.0, now_s))
+
+    def joined(self, now_s: float) -> bool:
+        """True when the approach is over."""
+        return self.own_time.at(now_s) >= self.approach_s
+
+    def finished(self, now_s: float) -> bool:
+        """True when the end of the path is reached; a path that repeats never is."""
+        return self.own_time.at(now_s) >= self.approach_s + self._stretch.duration_s
+
+    def progress(self, now_s: float) -> float:
+        """Which share of the approach and the path lies behind, 0 to 1; of a path that repeats, which share of its round."""
+        whole_s = self.approach_s + self._stretch.duration_s
+        if math.isfinite(whole_s):
+            return min(max(self.own_time.at(now_s), 0.0) / whole_s, 1.0) if whole_s else 1.0
+        beyond_s = self.path_s(now_s) - self.target.repeat_from_s
+        round_s = float(self.target.time_s[-1]) - self.target.repeat_from_s
+        return beyond_s % round_s / round_s if beyond_s > 0 else 0.0
 
     def path_s(self, now_s: float) -> float:
         """The target's own time: it stands still until the path is joined."""
-        return self.joined_s + max(now_s - self.start_s - self.approach_s, 0.0)
+        return self.joined_s + self._stretch.at(max(self.own_time.at(now_s) - self.approach_s, 0.0))[0]
 
     def at(self, now_s: float) -> Desired:
         """Where nodal points should be and how fast they should move."""
-        path = _path(self.target, self.path_s(now_s))
-        elapsed_s = max(now_s - self.start_s, 0.0)
-        if elapsed_s >= self.approach_s:
-            return path
-        u = elapsed_s / self.approach_s
-        way = path.node_mm - self.start_mm
+        own_s = max(self.own_time.at(now_s), 0.0)
+        pace = self.own_time.rate_at(now_s)
+        path_s, rate = self._stretch.at(max(own_s - self.approach_s, 0.0))
+        path = along(self.target, self.joined_s + path_s)
+        if own_s >= self.approach_s:
+            return dataclasses.replace(path, velocity_mm_s=pace * rate * path.velocity_mm_s)
+        u = own_s / self.approach_s
+        drift_s = own_s - EASING_S * eased_area(own_s / EASING_S)
+        way = path.node_mm - self.start_mm - EASING_S / 2 * self.start_mm_s
+        velocity = 30 * u**2 * (1 - u) ** 2 / self.approach_s * way
+        slowing = (1 - eased(own_s / EASING_S)) * self.start_mm_s
         return Desired(
-            node_mm=self.start_mm + u**3 * (10 - 15 * u + 6 * u**2) * way,
-            velocity_mm_s=30 * u**2 * (1 - u) ** 2 / self.approach_s * way,
+            node_mm=self.start_mm + drift_s * self.start_mm_s + u**3 * (10 - 15 * u + 6 * u**2) * way,
+            velocity_mm_s=pace * (velocity + slowing),
         )
 
-
-def _path(target: Target, path_s: float) -> Desired:
-    times, positions = target.time_s, target.position_mm
-    if target.repeat and len(times) > 1:
-        path_s %= times[-1]
-    after = int(np.searchsorted(times, path_s, side="right"))
-    if after == len(times):
-        return Desired(node_mm=positions[-1], velocity_mm_s=np.zeros_like(positions[-1]))
-    velocity = (positions[after] - positions[after - 1]) / (times[after] - times[after - 1])
-    return Desired(
-        node_mm=positions[after - 1] + (path_s - times[after - 1]) * velocity, velocity_mm_s=velocity
-    )
-
-
-def check_target(
-    target: Target,
-    node_arc_mm: Mapping[str, float],
-    plant: Plant,
-    settings: ControllerSettings,
-) -> None:
-    """Refuse what the robot cannot follow. Nodal points of weight 0 are only watched, and may be anywhere.
-
-    Raises UnknownNodeError, TooFastError, or UnreachableError: first by the length of the robot and the travel of its
-    stage alone, then by solving the constant-curvature model within all travels.
-    """
-    if unknown := [name for name in target.node_names if name not in node_arc_mm]:
-        raise UnknownNodeError(
-            f"target {target.name}: no nodal point {', '.join(unknown)}; sensing reports {', '.join(node_arc_mm) or 'none'}"
-        )
-    speed_mm_s, within_mm = settings.maximum_node_speed_mm_s, settings.reachable_within_mm
-    driven = np.flatnonzero(target.weights > 0)
-    names = [target.node_names[index] for index in driven]
-    arc = np.array([node_arc_mm[name] for name in names])
-    path = target.position_mm[:, driven]
-    _check_speed(target, names, path, speed_mm_s)
-    _check_sphere(target, names, path, arc, plant=plant, within_mm=within_mm)
-    moments = np.unique(np.linspace(0, len(path) - 1, min(len(path), _CHECKED_MOMENTS)).round().astype(int))
-    reached = _reach(path[moments], arc, target.weights[driven], plant, near_enough_mm=within_mm / 2)
-    missed = np.linalg.norm(path[moments] - reached, axis=-1)
-    moment, node = np.unravel_index(missed.argmax(), missed.shape)
-    if missed[moment, node] > within_mm:
-        raise UnreachableError(
-            f"target {target.name}: {names[node]} at {target.time_s[moments[moment]]:g} s should be at "
-            f"{_say(path[moments[moment], node])} mm; the nearest that the model reaches is {_say(reached[moment, node])} mm, "
-            f"{missed[moment, node]:.1f} mm away (allowed {within_mm:g} mm)"
-        )
-
-
-def _check_speed(target: Target, names: list[str], path: Array, speed_mm_s: float) -> None:
-    if len(path) == 1:
-        return
-    speed = np.linalg.norm(np.diff(path, axis=0), axis=-1) / np.diff(target.time_s)[:, None]
-    moment, node = np.unravel_index(speed.argmax(), speed.shape)
-    if speed[moment, node] > speed_mm_s:
-        raise TooFastError(
-            f"target {target.name}: {names[node]} moves at {speed[moment, node]:.1f} mm/s "
-            f"at {target.time_s[moment]:g} s; at most {speed_mm_s:g} mm/s are allowed"
-        )
-    seam = np.linalg.norm(path[-1] - path[0], axis=-1)
-    if target.repeat and seam.max() > _SEAM_MM:
-        raise TooFastError(
-            f"target {target.name}: {names[seam.argmax()]} jumps by {seam.max():.1f} mm where the path repeats; "
-            f"first and last position may differ by {_SEAM_MM:g} mm"
-        )
-
-
-def _check_sphere(
-    target: Target, names: list[str], path: Array, arc: Array, *, plant: Plant, within_mm: float
-) -> None:
-    low_mm, high_mm = plant.limits.stage_mm
-    base = np.zeros_like(path)
-    base[..., 2] = np.clip(path[..., 2], low_mm, high_mm)
-    distance = np.linalg.norm(path - base, axis=-1)
-    excess = distance - arc
-    moment, node = np.unravel_index(excess.argmax(), excess.shape)
-    if excess[moment, node] > within_mm:
-        raise UnreachableError(
-            f"target {target.name}: {names[node]} at {target.time_s[moment]:g} s should be at "
-            f"{_say(path[moment, node])} mm, {distance[moment, node]:.1f} mm from the nearest place of the base; it lies "
-            f"{arc[node]:.1f} mm along the robot, and the stage travels {low_mm:g} to {high_mm:g} mm"
-        )
-
-
-def _reach(path: Array, arc: Array, weights: Array, plant: Plant, *, near_enough_mm: float) -> Array:
-    """(k, n, 3) where the model brings the nodal points, all k moments at once: damped Gauss-Newton within the travels."""
-    kinematics, limits, tendons = plant.kinematics, plant.limits, plant.kinematics.tendons
-    command = np.zeros((len(path), kinematics.axes))
-    # the stage starts where a straight robot would be highest: bending only lowers it
-    command[:, tendons:] = (path[..., 2] - arc).max(axis=1)[:, None]
-    command = np.clip(command, limits.low_mm, limits.high_mm)
-    root = np.sqrt(weights / weights.max())[:, None]
-    damping = np.diag(np.where(np.arange(kinematics.axes) < tendons, _SOLVER_DAMPING_MM**2, 1e-6))
-    for _ in range(_SOLVER_STEPS):
-        nodes, jacobian = kinematics.nodes_and_jacobian(command, arc)
-        missing = path - nodes
-        if np.linalg.norm(missing, axis=-1).max() < near_enough_mm:
-            break
-        rows = (root[..., None] * jacobian).reshape(len(path), -1, kinematics.axes)
-        pull = rows.swapaxes(-1, -2) @ (root * missing).reshape(len(path), -1, 1)
-        step = np.linalg.solve(rows.swapaxes(-1, -2) @ rows + damping, pull)[..., 0]
-        step[:, :tendons] = np.clip(step[:, :tendons], -_SOLVER_STEP_MM, _SOLVER_STEP_MM)
-        command = np.clip(command + step, limits.low_mm, limits.high_mm)
-    return kinematics.nodes_mm(command, arc)
-
-
-def _say(point_mm: Array) -> str:
-    return "(" + ", ".join(f"{value:.1f}" for value in point_mm) + ")"
+    @property
+    def _stretch(self) -> Stretch:
+        """What is left of the path where it is joined."""
+        if self.target.repeat and len(self.target.time_s) > 1:
+            return Stretch(length_s=math.inf)
+        return Stretch(length_s=max(float(self.target.time_s[-1]) - self.joined_s, 0.0))

@@ -49,7 +49,7 @@ class Task:
 
     def settled(self, within_mm: float, now_s: float) -> bool:
         """True when the reference has arrived and the nodal points are near it."""
-        return now_s > self.reference.start_s + self.reference.approach_s and self.error_mm < within_mm
+        return self.reference.joined(now_s) and self.error_mm < within_mm
 
 
 def begin(
