@@ -23,6 +23,11 @@ APPROACH_S = 4.0
 TURN_S = 10.0
 DISTURBED_AT_S = 2.5
 """When in the turn that counts something happens."""
+PUSHED_S, BLIND_S = 2.0, 0.3
+
+Build = Callable[[VirtualBenchSettings], VirtualBenchSettings]
+Play = Callable[[VirtualBench, Limits], Figures]
+Event = Callable[[VirtualBench], None]
 
 
 def unchanged(bench: VirtualBenchSettings) -> VirtualBenchSettings:
@@ -45,8 +50,8 @@ class Scenario:
     """One row of the table."""
 
     name: str
-    build: Callable[[VirtualBenchSettings], VirtualBenchSettings] = unchanged
-    play: Callable[[VirtualBench, Limits], Figures] = circled
+    build: Build = unchanged
+    play: Play = circled
     """Begins with a bench that is homed."""
     disturbance: bool = True
     """Whether it counts as one of the disturbances on the circle."""
@@ -74,7 +79,7 @@ def followed(
     bench: VirtualBench,
     target: Target,
     duration_s: float,
-    *events: tuple[float, Callable[[VirtualBench], None]],
+    *events: tuple[float, Event],
 ) -> Samples:
     """A path, with `duration_s` of it counted; each event happens so many seconds into what counts."""
     begin(bench, target)
@@ -114,12 +119,12 @@ def rest(bench: VirtualBench, limits: Limits) -> Figures:
     )
 
 
-def shape(**changes: float) -> Callable[[VirtualBenchSettings], VirtualBenchSettings]:
+def shape(**changes: float) -> Build:
     """A bench whose shapes come otherwise."""
     return lambda bench: replace(bench, shape=replace(bench.shape, **changes))
 
 
-def gain(factor: float) -> Callable[[VirtualBenchSettings], VirtualBenchSettings]:
+def gain(factor: float) -> Build:
     """A bench whose tendons all move by another amount than asked for."""
 
     def changed(bench: VirtualBenchSettings) -> VirtualBenchSettings:
@@ -138,12 +143,61 @@ def stiffer(bench: VirtualBenchSettings) -> VirtualBenchSettings:
     return replace(bench, robot=replace(bench.robot, sections=(*others, distal)))
 
 
+def during_the_turn(*events: tuple[float, Event]) -> Play:
+    """One turn of the circle, with events so many seconds into it."""
+    return lambda bench, limits: tracked(followed(bench, CIRCLE, TURN_S, *events), limits)
+
+
+def pushed(bench: VirtualBench) -> None:
+    """Somebody pushes the tip sideways, by 0.1 to 0.3 N."""
+    chance = np.random.default_rng(bench.settings.seed)
+    size_N, heading = chance.uniform(0.1, 0.3), chance.uniform(0, 2 * np.pi)
+    bench.plant.robot.push(size_N * np.array([np.cos(heading), np.sin(heading), 0.0]))
+
+
+def released(bench: VirtualBench) -> None:
+    """Nobody pushes any more."""
+    bench.plant.robot.push(np.zeros(3))
+
+
+def loaded(bench: VirtualBench) -> None:
+    """Another 20 g hang on the tip."""
+    robot = bench.settings.robot
+    bench.plant.robot.rebuild(replace(robot, tip_payload_g=robot.tip_payload_g + 20.0))
+
+
+def slipped(bench: VirtualBench) -> None:
+    """A pair slips by 0.5 mm on its pulley."""
+    pull = bench.plant.robot.pull_per_displacement
+    bench.plant.robot.slip(0.5 * pull[:, bench.settings.seed % pull.shape[1]])
+
+
+def blinded(bench: VirtualBench) -> None:
+    """Shapes come no more."""
+    bench.seeing.lost = True
+
+
+def sighted(bench: VirtualBench) -> None:
+    """Shapes come again."""
+    bench.seeing.lost = False
+
+
 SCENARIOS = (
     Scenario(name="circle"),
     Scenario(name="spline", play=splined, disturbance=False),
     Scenario(name="step 10 mm", play=step, disturbance=False),
     Scenario(name="steady state", play=rest, disturbance=False),
     Scenario(name="distal +50 %", build=stiffer),
+    Scenario(
+        name="push",
+        play=during_the_turn((DISTURBED_AT_S, pushed), (DISTURBED_AT_S + PUSHED_S, released)),
+    ),
+    Scenario(name="payload +20 g", play=during_the_turn((DISTURBED_AT_S, loaded))),
+    Scenario(name="slip 0.5 mm", play=during_the_turn((DISTURBED_AT_S, slipped))),
+    Scenario(
+        name="blind for 0.3 s",
+        play=during_the_turn((DISTURBED_AT_S, blinded), (DISTURBED_AT_S + BLIND_S, sighted)),
+    ),
     Scenario(name="gains +30 %", build=gain(1.3)),
     Scenario(name="gains -30 %", build=gain(0.7)),
     Scenario(name="delay 0 ms", build=shape(delay_s=0.0, jitter_s=0.0)),

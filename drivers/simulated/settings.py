@@ -21,7 +21,7 @@ class DriveSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The simulated bench. Where its cameras stand is said by the bench's calibration.
 
-    `servos.ids` are the tendon pairs' in the robot's order, and last the stage's.
+    `servos.ids` are the tendons' or pairs' in the robot's order, and last the stage's.
     """
 
     servos: EmulatedServosSettings
@@ -35,10 +35,12 @@ class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
 
     def __post_init__(self) -> None:
         """Check what the bounds of single fields cannot say."""
-        pairs = sum(len(section.tendon_angles_deg) for section in self.robot.sections) // 2
-        if len(self.servos.ids) != pairs + 1:
+        tendons = sum(len(section.tendon_angles_deg) for section in self.robot.sections)
+        pulling = tendons // self.robot.tendons_per_servo
+        if len(self.servos.ids) != pulling + 1:
+            what = "tendon pairs" if self.robot.tendons_per_servo == 2 else "tendons"
             raise ValueError(
-                f"servos.ids {list(self.servos.ids)}: the robot has {pairs} tendon pairs, so {pairs} ids and the "
+                f"servos.ids {list(self.servos.ids)}: the robot has {pulling} {what}, so {pulling} ids and the "
                 "stage's are needed"
             )
         if len(self.cameras.body.diameter_mm) != len(self.robot.sections):

@@ -12,6 +12,7 @@ from controller.cycle import Inputs, LoopState, Outputs, Request
 from controller.drive import Drive
 from controller.loop import Loop
 from controller.settings import ControllerSettings
+from controller.supervisor import Mode
 from messaging.control import Action, ActionRequest, Reply, Target
 from messaging.settings import RobotSettings
 from nodal.virtual.actuators import VirtualActuators
@@ -47,6 +48,7 @@ class VirtualBench:
         loop: Controller | None = None,
     ) -> None:
         """`loop` is the controller's own unless given. Raises RobotBuildError, ControllerSetupError."""
+        self.settings = settings
         self.plant = Plant(settings)
         self.actuators = VirtualActuators(settings.servos, self.plant.servos, self.plant.nominal_mm_per_rad)
         self.seeing = Seeing(
@@ -178,7 +180,7 @@ class VirtualBench:
 def _desired(state: LoopState, now_s: float, names: tuple[str, ...]) -> Array:
     """(m, 3) where the controller leads the nodal points at this moment."""
     desired = np.full((len(names), 3), np.nan)
-    if state.task is not None:
+    if state.task is not None and state.mode in (Mode.TRACKING, Mode.HOMING):
         reference = state.task.reference
         for name, place in zip(reference.target.node_names, reference.at(now_s).node_mm, strict=True):
             desired[names.index(name)] = place

@@ -1,4 +1,4 @@
-"""The backbone: a chain of K pieces between disks, with bending and torsional stiffness, rest strain and weight.
+"""The backbone: a chain of K pieces between disks, with bending and torsional stiffness, rest strain and forces on them.
 
 The unknown is the strain of every piece, (K, 3) in 1/mm: curvature about the local x and y axes and twist. The rod is
 inextensible and does not shear (Kirchhoff). Energies are in N mm, of a base that stands upright at the origin.
@@ -16,24 +16,24 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Weight:
-    """What gravity does to the rod in one configuration."""
+class Load:
+    """What forces on the disks do to the rod in one configuration."""
 
     energy: float
     gradient: Array
     """(3K,)."""
-    turns: Array
-    """(3, 3K) axis, in the base frame, about which each strain turns everything beyond its piece."""
-    moment_N_mm: Array
-    """(K, 3) sum of weight times lever beyond the middle of each piece."""
+    axes: Array
+    """(K, 3, 3) axes, in the base frame, about which each strain turns everything beyond its piece, as columns."""
+    lever_N_mm: Array
+    """(K, 3, 3) sum of lever times force, (3,) each, beyond the middle of each piece."""
 
     def second_derivative(self) -> Array:
         """(3K, 3K); valid in its upper triangle, where the row's strain lies nearer to the base.
 
-        Two turns a, then b nearer to the tip, lift a weight at lever r from b by z . (a x (b x r)).
+        Two turns a, then b nearer to the tip, move a force F at lever r from b by F . (a x (b x r)).
         """
-        moment = np.repeat(self.moment_N_mm.T, 3, axis=1)
-        derivative: Array = self.turns.T @ (moment * self.turns[2] - self.turns * moment[2])
+        inner = np.einsum("kii->k", self.lever_N_mm)[:, None, None] * self.axes - self.lever_N_mm @ self.axes
+        derivative: Array = _columns(self.axes).T @ _columns(inner)
         return derivative
 
 
@@ -47,8 +47,8 @@ class Backbone:
     """(3K,) energy per squared strain, twice: E I length for bending, G J length for twist."""
     rest_strain_per_mm: Array
     """(3K,)."""
-    disk_weight_N: Array
-    """(K,) weight lumped at the disk at the end of each piece."""
+    disk_force_N: Array
+    """(K, 3) force on the disk at the end of each piece, in the base frame: weight, and what else pushes."""
 
     def slowed(self, strain: Array, retardation: float) -> "Backbone":
         """The backbone that stands for this one with a viscous pull towards `strain`, `retardation` times as stiff."""
@@ -58,20 +58,23 @@ class Backbone:
             rest_strain_per_mm=(self.rest_strain_per_mm + retardation * strain) / (1 + retardation),
         )
 
-    def weight(self, pieces: Pieces, frames: Array, points_mm: Array) -> Weight:
-        """Gravity's share, for frames (K + 1, 3, 3) and centres (K + 1, 3) of the base and every disk."""
-        weighted = np.column_stack([self.disk_weight_N, self.disk_weight_N[:, None] * points_mm[1:]])
-        beyond = np.cumsum(weighted[::-1], axis=0)[::-1]
-        weight, moment = beyond[:, :1], beyond[:, 1:] - beyond[:, :1] * points_mm[1:]
-        length = self.piece_length_mm[:, None, None]
-        axes = (frames[:-1] @ pieces.rotation_axes) * length
-        rise = (frames[:-1, 2:] @ pieces.translation_slope)[:, 0] * self.piece_length_mm[:, None]
-        gradient = weight * rise + moment[:, 1:2] * axes[:, 0] - moment[:, :1] * axes[:, 1]
-        return Weight(
-            energy=float(self.disk_weight_N @ points_mm[1:, 2]),
-            gradient=gradient.ravel(),
-            turns=axes.transpose(1, 0, 2).reshape(3, -1),
-            moment_N_mm=moment + weight * (points_mm[1:] - points_mm[:-1]) / 2,
+    def load(self, pieces: Pieces, frames: Array, points_mm: Array) -> Load:
+        """The forces' share, for frames (K + 1, 3, 3) and centres (K + 1, 3) of the base and every disk."""
+        force, ends_mm = self.disk_force_N, points_mm[1:]
+        beyond = np.empty((len(force), 4, 3))
+        beyond[:, 0] = force
+        beyond[:, 1:] = ends_mm[:, :, None] * force[:, None]
+        beyond = beyond[::-1].cumsum(axis=0)[::-1]
+        push = beyond[:, :1]
+        lever = beyond[:, 1:] - ends_mm[:, :, None] * push
+        moment = lever[:, (1, 2, 0), (2, 0, 1)] - lever[:, (2, 0, 1), (1, 2, 0)]
+        axes = (frames[:-1] @ pieces.rotation_axes) * self.piece_length_mm[:, None, None]
+        shift = (push @ frames[:-1] @ pieces.translation_slope)[:, 0] * self.piece_length_mm[:, None]
+        return Load(
+            energy=-float((force * ends_mm).sum()),
+            gradient=-(shift + (moment[:, None] @ axes)[:, 0]).ravel(),
+            axes=axes,
+            lever_N_mm=lever + (ends_mm - points_mm[:-1])[:, :, None] / 2 * push,
         )
 
 
@@ -88,7 +91,7 @@ def build_backbone(settings: SimulatedRobotSettings) -> Backbone:
         piece_section=np.repeat(np.arange(len(counts)), counts),
         stiffness_N_mm=np.concatenate([_stiffness(section).ravel() for section in settings.sections]),
         rest_strain_per_mm=np.concatenate([_rest_strain(section).ravel() for section in settings.sections]),
-        disk_weight_N=np.concatenate(weight),
+        disk_force_N=np.concatenate(weight)[:, None] * [0.0, 0.0, -1.0],
     )
 
 
@@ -110,6 +113,11 @@ def disk_frames(pieces: Pieces) -> tuple[Array, Array]:
     points = np.zeros((count + 1, 3))
     np.cumsum((frames[:-1] @ pieces.translation[:, :, None])[:, :, 0], axis=0, out=points[1:])
     return frames, points
+
+
+def _columns(by_piece: Array) -> Array:
+    """(3, 3K) the columns of (K, 3, 3), side by side."""
+    return by_piece.transpose(1, 0, 2).reshape(3, -1)
 
 
 def _piece_middles(section: SectionSettings) -> Array:

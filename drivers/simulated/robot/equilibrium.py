@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.simulated.robot.backbone import Backbone, Weight, disk_frames
+from drivers.simulated.robot.backbone import Backbone, Load, disk_frames
 from drivers.simulated.robot.subsegment import Pieces, move_with_slopes
 from drivers.simulated.robot.tendons import TendonPath, TendonRouting
 
@@ -49,7 +49,7 @@ class Pose:
     """(K + 1, 3, 3) of the base and every disk."""
     points_mm: Array
     """(K + 1, 3)."""
-    weight: Weight
+    load: Load
     path: TendonPath
 
 
@@ -81,7 +81,7 @@ class Mechanics:
             pieces=pieces,
             frames=frames,
             points_mm=points_mm,
-            weight=self.backbone.weight(pieces, frames, points_mm),
+            load=self.backbone.load(pieces, frames, points_mm),
             path=self.routing.path(by_piece, pieces),
         )
 
@@ -91,8 +91,8 @@ class Mechanics:
         flexed = pose.strain - self.backbone.rest_strain_per_mm
         elastic = self.backbone.stiffness_N_mm * flexed
         tendons = (pull.tension_N[:, :, None] * pose.path.slope_mm2).sum(axis=0).ravel()
-        energy = float(elastic @ flexed) / 2 + pose.weight.energy + pull.energy
-        return Balance(pose, pull, energy, elastic + pose.weight.gradient + tendons)
+        energy = float(elastic @ flexed) / 2 + pose.load.energy + pull.energy
+        return Balance(pose, pull, energy, elastic + pose.load.gradient + tendons)
 
     def hessian(self, at: Balance) -> Array:
         """Second derivative (3K, 3K) of the energy, for Newton steps: small terms are left out."""
@@ -101,7 +101,7 @@ class Mechanics:
         resisting = np.cumsum(pull.stiffness_N_per_mm, axis=1)[:, :, None] * path.slope_mm2
         tendons, pieces, _ = resisting.shape
         upper = resisting.reshape(tendons, -1).T @ path.slope_mm2.reshape(tendons, -1)
-        upper += at.pose.weight.second_derivative()
+        upper += at.pose.load.second_derivative()
         piece = np.arange(pieces)
         blocks = upper.reshape(pieces, 3, pieces, 3)
         blocks[piece, :, piece, :] += self.routing.geometric_stiffness(path, at.pose.pieces, pull.tension_N)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drivers.simulated.robot.backbone import build_backbone
 from drivers.simulated.robot.equilibrium import Balance, Mechanics, Pose, TendonPull
-from drivers.simulated.robot.errors import NoEquilibriumError, RobotInputError
+from drivers.simulated.robot.errors import NoEquilibriumError, RobotBuildError, RobotInputError
 from drivers.simulated.robot.settings import SimulatedRobotSettings
 from drivers.simulated.robot.shape import Sampling, Shape
 from drivers.simulated.robot.tendons import route_tendons
@@ -32,7 +32,7 @@ class RobotState:
     tendon_tension_N: Array
     """(T,) at the base, never negative; tendons section by section in the order of their settings."""
     servo_load_N: Array
-    """(D,) net pull of each pair against its servo: positive pulls back a positive displacement."""
+    """(D,) net pull on each servo: positive pulls back a positive displacement."""
 
 
 @dataclass(frozen=True)
@@ -72,16 +72,19 @@ def static_shape(settings: SimulatedRobotSettings, tension_N: ArrayLike, inserti
 class SimulatedRobot:
     """A robot that remembers: its pose, where its play lies and how its tendons rub.
 
-    Servos are numbered section by section, one for each pair of tendons.
+    Servos are numbered section by section, one for each pair of tendons or for each tendon, as the settings say.
     """
 
     def __init__(self, settings: SimulatedRobotSettings) -> None:
         """At rest with all servos at zero. Raises RobotBuildError and NoEquilibriumError."""
         self._damping_s = settings.damping_s
-        self._mechanics = _mechanics(settings)
+        self._unpushed = self._mechanics = _mechanics(settings)
+        self._pushed_N = np.zeros_like(self._mechanics.backbone.disk_force_N)
         self._sampling = Sampling(self._mechanics.backbone, settings.centreline_points)
         self._transmission = build_transmission(settings, self._mechanics.routing)
-        self.servos = self._transmission.pull_per_displacement.shape[1]
+        self.pull_per_displacement = self._transmission.pull_per_displacement
+        """(T, D): +1 where a servo pulls a tendon, -1 where it pays out."""
+        self.servos = self.pull_per_displacement.shape[1]
         start = self._mechanics.pose(self._mechanics.backbone.rest_strain_per_mm)
         nothing_pulled = np.zeros(self.servos)
         law = self._transmission.law(nothing_pulled, self._transmission.unengaged(start.path.distance_mm))
@@ -110,6 +113,50 @@ class SimulatedRobot:
         self.state = self._state(moved, insertion_mm)
         return self.state
 
+    def push(self, force_N: ArrayLike, disk: int = -1) -> None:
+        """Push the disk at the end of piece `disk` with a force (3,) in the robot frame, until it is pushed otherwise.
+
+        Raises RobotInputError for a force that is not finite and for a disk that is not there.
+        """
+        count = len(self._pushed_N)
+        if not -count <= disk < count:
+            raise RobotInputError(f"disk is {disk}; the robot has {count}, counted from 0 or back from -1")
+        self._pushed_N[disk] = _checked("force_N", force_N, (3,))
+        self._bear()
+
+    def slip(self, tendon_mm: ArrayLike) -> None:
+        """Let tendons (T,) become longer by so much where they are fastened, or shorter where negative.
+
+        Raises RobotInputError for lengths that are not finite, or not one for each tendon.
+        """
+        slipped_mm = _checked("tendon_mm", tendon_mm, self._transmission.free_mm.shape)
+        self._transmission = replace(self._transmission, free_mm=self._transmission.free_mm + slipped_mm)
+
+    def rebuild(self, settings: SimulatedRobotSettings) -> None:
+        """Go on with other settings: another payload, stiffness, friction, play and so on; what was pushed or slipped stays.
+
+        Raises RobotBuildError when pieces or tendons would be others.
+        """
+        mechanics = _mechanics(settings)
+        before = self._mechanics
+        if not (
+            np.array_equal(before.backbone.piece_length_mm, mechanics.backbone.piece_length_mm)
+            and np.array_equal(before.routing.side_mm, mechanics.routing.side_mm)
+        ):
+            raise RobotBuildError("a robot keeps its sections, disks and tendons while it runs")
+        transmission = build_transmission(settings, mechanics.routing)
+        self._transmission = replace(transmission, free_mm=self._transmission.free_mm)
+        self._damping_s = settings.damping_s
+        self._unpushed = mechanics
+        self._bear()
+
+    def _bear(self) -> None:
+        """Take up what has changed of the pushes or of the build."""
+        backbone = self._unpushed.backbone
+        backbone = replace(backbone, disk_force_N=backbone.disk_force_N + self._pushed_N)
+        self._mechanics = replace(self._unpushed, backbone=backbone)
+        self._memory = replace(self._memory, pose=self._mechanics.pose(self._memory.pose.strain))
+
     def _remember(self, moved: Balance, pulled_mm: Array, friction: Friction) -> _Memory:
         strain = moved.pose.strain.reshape(-1, 3)
         turn_rad = np.hypot(strain[:, 0], strain[:, 1]) * self._mechanics.backbone.piece_length_mm
@@ -121,7 +168,7 @@ class SimulatedRobot:
     def _state(self, moved: Balance, insertion_mm: float) -> RobotState:
         shape = self._sampling.shape(moved.pose, insertion_mm)
         tension = moved.pull.base_N
-        return RobotState(shape, insertion_mm, tension, self._transmission.pull_per_displacement.T @ tension)
+        return RobotState(shape, insertion_mm, tension, self.pull_per_displacement.T @ tension)
 
 
 def _mechanics(settings: SimulatedRobotSettings) -> Mechanics:

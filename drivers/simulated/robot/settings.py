@@ -4,7 +4,7 @@ Every strength may be zero; with all of them zero the robot is a uniform rod und
 Angles are written in degrees here, because bench files are written by people.
 """
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -18,8 +18,8 @@ CurvaturePerMm = Annotated[float, msgspec.Meta(ge=-0.05, le=0.05)]
 class SectionSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One section: a round backbone with evenly spaced disks, which guide the tendons that end at its tip.
 
-    Neighbours in `tendon_angles_deg` (first and second, third and fourth, ...) share a servo: a positive displacement
-    pulls the first and pays out the second. Angles are measured from +X towards +Y.
+    Where tendons share servos, neighbours in `tendon_angles_deg` do (first and second, third and fourth, ...): a positive
+    displacement pulls the first and pays out the second. Angles are measured from +X towards +Y.
     `stiffness_variation` v tapers the bending stiffness linearly from (1 + v) at the section's base to (1 - v) at its tip.
     `precurvature_per_mm` is the curvature at rest at the section's base, fading linearly to zero at its tip;
     positive values lean the section towards +X and +Y.
@@ -49,6 +49,8 @@ class SimulatedRobotSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=
         SectionSettings(tendon_angles_deg=(45.0, 225.0, 135.0, 315.0), precurvature_per_mm=(-0.003, -0.004)),
     )
 
+    tendons_per_servo: Literal[1, 2] = 2
+    """2: a servo for each antagonistic pair; 1: a servo for each tendon, which only pulls."""
     friction_coefficient: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.14
     """Capstan coefficient between a tendon and its disks: a fraction 1 - exp(-friction * bend) of the tension is lost."""
     guide_bend_deg: Annotated[float, msgspec.Meta(ge=0, le=720)] = 90.0

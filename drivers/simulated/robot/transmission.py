@@ -38,8 +38,8 @@ class Transmission:
 
     pull_per_displacement: Array
     """(T, D): +1 where a servo pulls a tendon, -1 where it pays out."""
-    straight_mm: Array
-    """(T,) length of each tendon in the straight robot."""
+    free_mm: Array
+    """(T,) length of each tendon beyond the base without tension: what the straight robot takes, and what has slipped."""
     stiffness_N_per_mm: float
     pretension_N: float
     backlash_mm: float
@@ -53,7 +53,7 @@ class Transmission:
 
     def law(self, displacement_mm: Array, friction: Friction) -> TendonLaw:
         """The tendons' pull with displacement (D,) behind the play, sliding on from `friction`."""
-        slack_mm = self.straight_mm - self.pull_per_displacement @ displacement_mm
+        slack_mm = self.free_mm - self.pull_per_displacement @ displacement_mm
         slack_mm -= self.pretension_N / self.stiffness_N_per_mm
 
         def pull(distance_mm: Array) -> TendonPull:
@@ -95,17 +95,10 @@ class Transmission:
 
 
 def build_transmission(settings: SimulatedRobotSettings, routing: TendonRouting) -> Transmission:
-    """Neighbouring tendons of a section share a servo. Raises RobotBuildError where one is left over."""
-    for number, section in enumerate(settings.sections, start=1):
-        tendons = len(section.tendon_angles_deg)
-        if tendons % 2:
-            raise RobotBuildError(
-                f"section {number} has {tendons} tendons; servos pull pairs, so the number must be even"
-            )
-    servos = len(routing.runs) // 2
+    """Raises RobotBuildError where tendons share servos and a section has one left over."""
     return Transmission(
-        pull_per_displacement=np.repeat(np.eye(servos), 2, axis=0) * np.tile([[1.0], [-1.0]], (servos, 1)),
-        straight_mm=routing.runs @ routing.piece_length_mm,
+        pull_per_displacement=_pull_per_displacement(settings, len(routing.runs)),
+        free_mm=routing.runs @ routing.piece_length_mm,
         stiffness_N_per_mm=1 / (settings.tendon_compliance_mm_per_N + 1 / _STIFFEST_N_PER_MM),
         pretension_N=settings.pretension_N,
         backlash_mm=settings.backlash_mm,
@@ -113,6 +106,19 @@ def build_transmission(settings: SimulatedRobotSettings, routing: TendonRouting)
         guide_bend_rad=np.radians(settings.guide_bend_deg),
         presliding_mm=settings.presliding_mm,
     )
+
+
+def _pull_per_displacement(settings: SimulatedRobotSettings, tendons: int) -> Array:
+    if settings.tendons_per_servo == 1:
+        return np.eye(tendons)
+    for number, section in enumerate(settings.sections, start=1):
+        if len(section.tendon_angles_deg) % 2:
+            raise RobotBuildError(
+                f"section {number} has {len(section.tendon_angles_deg)} tendons; servos pull pairs, so the number must "
+                "be even (tendons_per_servo = 1 gives every tendon its own)"
+            )
+    servos = tendons // 2
+    return np.repeat(np.eye(servos), 2, axis=0) * np.tile([[1.0], [-1.0]], (servos, 1))
 
 
 def _beyond(distance_mm: Array) -> Array:
