@@ -26,6 +26,8 @@ class State(StrEnum):
     """Nodal points follow the target."""
     HOLD = "hold"
     """Tendons keep their place, because the operator asked or because sensing is not to be trusted for a moment."""
+    UNHOMED = "unhomed"
+    """Servos hold the tendons for jogging; where their zero is, is not known."""
     FAULT = "fault"
     """Something was wrong; tendons are safe, and only the operator leads out of it."""
 
@@ -36,6 +38,10 @@ class Action(StrEnum):
     HOME = "home"
     ARM = "arm"
     HOLD = "hold"
+    PAUSE = "pause"
+    RESUME = "resume"
+    ABORT = "abort"
+    JOG = "jog"
     RELAX = "relax"
     STOP = "stop"
     STATUS = "status"
@@ -43,16 +49,32 @@ class Action(StrEnum):
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class ActionRequest(Message):
-    """One action asked of the controller."""
+    """One action asked of the controller. A jog moves one axis, `1` or `2` or ... or `stage`, by `distance_mm`."""
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.ActionRequest
 
     action: Action
+    axis: str = ""
+    distance_mm: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Reply(Message):
-    """Whether a request was accepted, the state that followed from it, and why not."""
+class FaultMessage(Message):
+    """What all messages that can tell of a fault say about it: its code, the numbers, and what to do.
+
+    Value and limit are numbers of `fault_unit`; both are 0 and the unit is empty where nothing was measured.
+    """
+
+    fault: str = ""
+    fault_value: float = 0.0
+    fault_limit: float = 0.0
+    fault_unit: str = ""
+    advice: str = ""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Reply(FaultMessage):
+    """Whether a request was accepted, the state that followed from it, and why not; and the fault that it is in."""
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.Reply
 
@@ -135,13 +157,15 @@ class TendonState(Message):
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class ControllerState(Message):
+class ControllerState(FaultMessage):
     """One cycle of the controller: its state and why, the target's tracking, what it saw and how it kept time.
 
     `now_s` is monotonic, and `dt_s` the time that the command could use. `sighted_capture_ns` names the estimate that
     arrived in this cycle, `sighted_age_s` old (both 0 when none did); `shape_sequence` the one that it worked with.
-    `drive_absence` says why there was no reading of the servos; with one, a TendonState of the same `time_ns` holds it.
+    `drive_absence` says why there was no reading of the servos, and `drive_fault` is the code of the fault that this would
+    be; with a reading, a TendonState of the same `time_ns` holds it. `heartbeat` is true when an operator's was heard.
     `commanded` is true when a command was written. With what was `Asked`, that is all that a cycle sees.
+    `progress` is the share of the target that is done, 0 to 1, and `paused` true while it waits to be resumed.
     """
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.ControllerState
@@ -165,3 +189,7 @@ class ControllerState(Message):
     sighted_age_s: float
     drive_absence: str
     commanded: bool
+    progress: float = 0.0
+    paused: bool = False
+    heartbeat: bool = False
+    drive_fault: str = ""

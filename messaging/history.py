@@ -5,14 +5,15 @@ from typing import ClassVar, Self
 
 from google.protobuf.message import Message as ProtobufMessage
 
-from messaging.control import Reply
+from messaging.checked import fields_of
+from messaging.control import FaultMessage, Reply
 from messaging.generated import nodal_pb2
 from messaging.message import Message
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Asked(Message):
-    """What an operator asked of the service with this key, and what was answered.
+class Asked(FaultMessage):
+    """What an operator asked of the service with this key, and what was answered; or a signal with this key that was obeyed.
 
     `request` are the bytes of the service's request type. `time_ns` is that of the controller's cycle which answered, or
     the Unix time at which another process did.
@@ -34,15 +35,13 @@ class Asked(Message):
             time_ns=time_ns,
             service=service,
             request=request,
-            accepted=reply.accepted,
-            state=reply.state,
-            reason=reply.reason,
+            **{field.name: getattr(reply, field.name) for field in fields_of(Reply)},
         )
 
     @property
     def reply(self) -> Reply:
         """What was answered."""
-        return Reply(accepted=self.accepted, state=self.state, reason=self.reason)
+        return Reply(**{field.name: getattr(self, field.name) for field in fields_of(Reply)})
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

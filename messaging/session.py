@@ -19,7 +19,7 @@ import zenoh
 from messaging.errors import CodecError, EndpointError, UnansweredError
 from messaging.message import Message
 from messaging.settings import ZenohSettings
-from messaging.topics import Service, Topic
+from messaging.topics import Service, Signal, Topic
 
 M = TypeVar("M", bound=Message)
 
@@ -74,6 +74,33 @@ class Subscription:
         """The oldest publication in the ring, or None; never waits."""
         sample = self._subscriber.handler.try_recv()
         return None if sample is None else _received(sample)
+
+
+class SignalSender:
+    """Gives one signal."""
+
+    def __init__(self, session: zenoh.Session, signal: Signal) -> None:
+        self._publisher = session.declare_publisher(
+            signal.key,
+            congestion_control=zenoh.CongestionControl.DROP,
+            reliability=zenoh.Reliability.RELIABLE,
+            express=True,
+        )
+
+    def give(self) -> None:
+        """Once; never waits for a receiver."""
+        self._publisher.put(b"")
+
+
+class SignalReceiver:
+    """Hears one signal, from whoever gives it."""
+
+    def __init__(self, session: zenoh.Session, signal: Signal) -> None:
+        self._subscriber = session.declare_subscriber(signal.key, zenoh.handlers.RingChannel(1))
+
+    def heard(self) -> bool:
+        """True when it was given since the last time this was asked; never waits."""
+        return self._subscriber.handler.try_recv() is not None
 
 
 class Query:
@@ -155,6 +182,14 @@ class Session:
     def every(self, topic: Topic, depth: int) -> Subscription:
         """Every publication of this topic, undecoded, as long as no more than `depth` wait to be taken."""
         return Subscription(self._session, topic.key, depth)
+
+    def gives(self, signal: Signal) -> SignalSender:
+        """The giving end of this signal."""
+        return SignalSender(self._session, signal)
+
+    def hears(self, signal: Signal) -> SignalReceiver:
+        """The hearing end of this signal."""
+        return SignalReceiver(self._session, signal)
 
     def answers(self, service: Service) -> Answers:
         """The answering end of this service."""

@@ -52,6 +52,15 @@ class Service:
     reply: type[Reply] = Reply
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Signal:
+    """A plain key: that something is published on it counts, whatever it is, so that a button box can do it too."""
+
+    key: str
+    said_by: str
+    meaning: str
+
+
 CAMERA = Topic(
     key="camera/*",
     type=Frame,
@@ -143,7 +152,7 @@ ASKED = Topic(
     key="asked",
     type=Asked,
     said_by="all",
-    meaning="what an operator asked, and what was answered",
+    meaning="what an operator asked, and what was answered; and stop signals that were heard",
 )
 SENSING_MEMORY = Topic(
     key="sensing/memory",
@@ -202,7 +211,7 @@ CONTROLLER_DO = Service(
     key="controller/do",
     request=ActionRequest,
     answered_by="controller",
-    meaning="home, arm, hold, relax, stop, status: what happened, and why not",
+    meaning="home, arm, hold, pause, resume, abort, jog, relax, stop, status: what happened, and why not",
 )
 CONTROLLER_TARGET = Service(
     key="controller/target",
@@ -223,3 +232,15 @@ RECORDER_DO = Service(
     meaning="start, stop, save, status",
 )
 SERVICES = (CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES, RECORDER_DO)
+
+STOP = Signal(
+    key="stop",
+    said_by="operator",
+    meaning="the controller stops in the cycle in which it hears it, from any state",
+)
+HEARTBEAT = Signal(
+    key="operator/heartbeat",
+    said_by="operator",
+    meaning="somebody is there; needed where `controller.operator.heartbeat_s` asks for it",
+)
+SIGNALS = (STOP, HEARTBEAT)

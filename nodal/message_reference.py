@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from messaging.checked import FloatArray
 from messaging.message import Message
-from messaging.topics import SERVICES, TOPICS
+from messaging.topics import SERVICES, SIGNALS, TOPICS
 from messaging.views import View
 
 HEADER = """# Messages
@@ -21,7 +21,7 @@ arrays travel flattened in C order. What is dropped on its way is counted by the
 
 def reference() -> str:
     """The whole text."""
-    return "\n".join((HEADER, *_topics(), *_services(), *_types())) + "\n"
+    return "\n".join((HEADER, *_topics(), *_services(), *_signals(), *_types())) + "\n"
 
 
 def _topics() -> Iterator[str]:
@@ -45,6 +45,15 @@ def _services() -> Iterator[str]:
     yield "|---|---|---|---|"
     for service in SERVICES:
         yield (f"| `{service.key}` | {_link(service.request)} | {service.answered_by} | {service.meaning} |")
+
+
+def _signals() -> Iterator[str]:
+    yield "\n## Signals\n"
+    yield "Plain keys: any publication counts, whatever it holds. `zenoh put` or a button box can give one.\n"
+    yield "| key | said by | what |"
+    yield "|---|---|---|"
+    for signal in SIGNALS:
+        yield f"| `{signal.key}` | {signal.said_by} | {signal.meaning} |"
 
 
 def _types() -> Iterator[str]:

@@ -97,20 +97,34 @@ class Target(_message.Message):
     def __init__(self, name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., weights: _Optional[_Iterable[float]] = ..., time_s: _Optional[_Iterable[float]] = ..., position_mm: _Optional[_Iterable[float]] = ..., repeat: _Optional[bool] = ..., repeat_from_s: _Optional[float] = ...) -> None: ...
 
 class ActionRequest(_message.Message):
-    __slots__ = ("action",)
+    __slots__ = ("action", "axis", "distance_mm")
     ACTION_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    DISTANCE_MM_FIELD_NUMBER: _ClassVar[int]
     action: str
-    def __init__(self, action: _Optional[str] = ...) -> None: ...
+    axis: str
+    distance_mm: float
+    def __init__(self, action: _Optional[str] = ..., axis: _Optional[str] = ..., distance_mm: _Optional[float] = ...) -> None: ...
 
 class Reply(_message.Message):
-    __slots__ = ("accepted", "state", "reason")
+    __slots__ = ("accepted", "state", "reason", "fault", "fault_value", "fault_limit", "fault_unit", "advice")
     ACCEPTED_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_VALUE_FIELD_NUMBER: _ClassVar[int]
+    FAULT_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_UNIT_FIELD_NUMBER: _ClassVar[int]
+    ADVICE_FIELD_NUMBER: _ClassVar[int]
     accepted: bool
     state: str
     reason: str
-    def __init__(self, accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
+    fault: str
+    fault_value: float
+    fault_limit: float
+    fault_unit: str
+    advice: str
+    def __init__(self, accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., fault: _Optional[str] = ..., fault_value: _Optional[float] = ..., fault_limit: _Optional[float] = ..., fault_unit: _Optional[str] = ..., advice: _Optional[str] = ...) -> None: ...
 
 class TendonCommand(_message.Message):
     __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "shape_sequence", "capture_to_command_ns")
@@ -151,7 +165,7 @@ class TendonState(_message.Message):
     def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ..., displacement_mm_s: _Optional[_Iterable[float]] = ..., insertion_mm_s: _Optional[float] = ...) -> None: ...
 
 class ControllerState(_message.Message):
-    __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns", "now_s", "dt_s", "sighted_capture_ns", "sighted_age_s", "drive_absence", "commanded")
+    __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns", "now_s", "dt_s", "sighted_capture_ns", "sighted_age_s", "drive_absence", "commanded", "fault", "fault_value", "fault_limit", "fault_unit", "advice", "progress", "paused", "heartbeat", "drive_fault")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
@@ -171,6 +185,15 @@ class ControllerState(_message.Message):
     SIGHTED_AGE_S_FIELD_NUMBER: _ClassVar[int]
     DRIVE_ABSENCE_FIELD_NUMBER: _ClassVar[int]
     COMMANDED_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_VALUE_FIELD_NUMBER: _ClassVar[int]
+    FAULT_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_UNIT_FIELD_NUMBER: _ClassVar[int]
+    ADVICE_FIELD_NUMBER: _ClassVar[int]
+    PROGRESS_FIELD_NUMBER: _ClassVar[int]
+    PAUSED_FIELD_NUMBER: _ClassVar[int]
+    HEARTBEAT_FIELD_NUMBER: _ClassVar[int]
+    DRIVE_FAULT_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     state: str
     reason: str
@@ -190,23 +213,42 @@ class ControllerState(_message.Message):
     sighted_age_s: float
     drive_absence: str
     commanded: bool
-    def __init__(self, time_ns: _Optional[int] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., target_name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., desired_mm: _Optional[_Iterable[float]] = ..., measured_mm: _Optional[_Iterable[float]] = ..., tracking_error_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., shape_age_s: _Optional[float] = ..., lateness_s: _Optional[float] = ..., busy_s: _Optional[float] = ..., overruns: _Optional[int] = ..., now_s: _Optional[float] = ..., dt_s: _Optional[float] = ..., sighted_capture_ns: _Optional[int] = ..., sighted_age_s: _Optional[float] = ..., drive_absence: _Optional[str] = ..., commanded: _Optional[bool] = ...) -> None: ...
+    fault: str
+    fault_value: float
+    fault_limit: float
+    fault_unit: str
+    advice: str
+    progress: float
+    paused: bool
+    heartbeat: bool
+    drive_fault: str
+    def __init__(self, time_ns: _Optional[int] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., target_name: _Optional[str] = ..., node_names: _Optional[_Iterable[str]] = ..., desired_mm: _Optional[_Iterable[float]] = ..., measured_mm: _Optional[_Iterable[float]] = ..., tracking_error_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., shape_age_s: _Optional[float] = ..., lateness_s: _Optional[float] = ..., busy_s: _Optional[float] = ..., overruns: _Optional[int] = ..., now_s: _Optional[float] = ..., dt_s: _Optional[float] = ..., sighted_capture_ns: _Optional[int] = ..., sighted_age_s: _Optional[float] = ..., drive_absence: _Optional[str] = ..., commanded: _Optional[bool] = ..., fault: _Optional[str] = ..., fault_value: _Optional[float] = ..., fault_limit: _Optional[float] = ..., fault_unit: _Optional[str] = ..., advice: _Optional[str] = ..., progress: _Optional[float] = ..., paused: _Optional[bool] = ..., heartbeat: _Optional[bool] = ..., drive_fault: _Optional[str] = ...) -> None: ...
 
 class Asked(_message.Message):
-    __slots__ = ("time_ns", "service", "request", "accepted", "state", "reason")
+    __slots__ = ("time_ns", "service", "request", "accepted", "state", "reason", "fault", "fault_value", "fault_limit", "fault_unit", "advice")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     SERVICE_FIELD_NUMBER: _ClassVar[int]
     REQUEST_FIELD_NUMBER: _ClassVar[int]
     ACCEPTED_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_VALUE_FIELD_NUMBER: _ClassVar[int]
+    FAULT_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    FAULT_UNIT_FIELD_NUMBER: _ClassVar[int]
+    ADVICE_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     service: str
     request: bytes
     accepted: bool
     state: str
     reason: str
-    def __init__(self, time_ns: _Optional[int] = ..., service: _Optional[str] = ..., request: _Optional[bytes] = ..., accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
+    fault: str
+    fault_value: float
+    fault_limit: float
+    fault_unit: str
+    advice: str
+    def __init__(self, time_ns: _Optional[int] = ..., service: _Optional[str] = ..., request: _Optional[bytes] = ..., accepted: _Optional[bool] = ..., state: _Optional[str] = ..., reason: _Optional[str] = ..., fault: _Optional[str] = ..., fault_value: _Optional[float] = ..., fault_limit: _Optional[float] = ..., fault_unit: _Optional[str] = ..., advice: _Optional[str] = ...) -> None: ...
 
 class Memory(_message.Message):
     __slots__ = ("time_ns", "content", "publication")

@@ -6,27 +6,29 @@ import pytest
 import zenoh
 
 from messaging import topics
-from messaging.topics import SERVICES, TOPICS, Service, Topic
+from messaging.topics import SERVICES, SIGNALS, TOPICS, Service, Signal, Topic
+
+LINES = (*TOPICS, *SERVICES, *SIGNALS)
 
 
 def test_keys_are_unique():
-    keys = [line.key for line in (*TOPICS, *SERVICES)]
+    keys = [line.key for line in LINES]
     assert len(set(keys)) == len(keys)
 
 
 def test_the_table_holds_every_line_of_the_module():
-    lines = [value for value in vars(topics).values() if isinstance(value, Topic | Service)]
-    assert {line.key for line in lines} == {line.key for line in (*TOPICS, *SERVICES)}
+    lines = [value for value in vars(topics).values() if isinstance(value, Topic | Service | Signal)]
+    assert {line.key for line in lines} == {line.key for line in LINES}
 
 
-@pytest.mark.parametrize("line", [*TOPICS, *SERVICES], ids=lambda line: line.key)
+@pytest.mark.parametrize("line", LINES, ids=lambda line: line.key)
 def test_keys_are_key_expressions_below_the_bench(line):
     zenoh.KeyExpr(line.key)
     assert not line.key.startswith("nodal")
 
 
 def test_no_publication_belongs_to_two_topics():
-    for one, other in itertools.combinations([zenoh.KeyExpr(topic.key) for topic in TOPICS], 2):
+    for one, other in itertools.combinations([zenoh.KeyExpr(topic.key) for topic in (*TOPICS, *SIGNALS)], 2):
         assert not one.intersects(other)
 
 
@@ -41,7 +43,7 @@ def test_ages_allow_at_least_two_messages_to_be_missed(topic):
         assert topic.maximum_age_s * topic.rate_hz >= 3
 
 
-@pytest.mark.parametrize("line", [*TOPICS, *SERVICES], ids=lambda line: line.key)
+@pytest.mark.parametrize("line", LINES, ids=lambda line: line.key)
 def test_every_line_says_what_it_is(line):
     assert line.meaning
 
