@@ -5,7 +5,9 @@ Another actuator family becomes usable by offering `Actuators`. Its own errors d
     NodalError
     `-- ActuatorError              every error of a tendon drive; after one, nothing is known until the next read()
         |-- CommandRefusedError    a command that is not finite, has the wrong shape or leaves the travel: nothing moved
-        `-- WatchdogExpiredError   the drive stopped by itself because nobody spoke to it in time
+        |-- WatchdogExpiredError   the drive stopped by itself because nobody spoke to it in time
+        |-- ServoRestartedError    a servo restarted by itself, and its place is not known any more
+        `-- ServoAlarmError        a servo reports trouble of its own and takes no torque
 """
 
 import dataclasses
@@ -28,6 +30,14 @@ class CommandRefusedError(ActuatorError):
 
 class WatchdogExpiredError(ActuatorError):
     """The drive heard nothing for longer than its watchdog allows and stopped; `disable()` makes it usable again."""
+
+
+class ServoRestartedError(ActuatorError):
+    """A servo restarted by itself: it is relaxed, and its place is not known any more."""
+
+
+class ServoAlarmError(ActuatorError):
+    """A servo reports trouble of its own, such as an overload, and takes no torque until that is dealt with."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

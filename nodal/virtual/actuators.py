@@ -12,7 +12,14 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.actuators import ActuatorError, ActuatorState, CommandRefusedError, WatchdogExpiredError
+from drivers.actuators import (
+    ActuatorError,
+    ActuatorState,
+    CommandRefusedError,
+    ServoAlarmError,
+    ServoRestartedError,
+    WatchdogExpiredError,
+)
 from drivers.simulated.servos.servo import (
     ACCELERATION_UNIT_RAD_S2,
     CURRENT_UNIT_A,
@@ -80,7 +87,7 @@ class VirtualActuators:
                 f"the servos heard nothing for {self._settings.watchdog_ms} ms and stopped"
             )
         if not self._read(_CONFIGURED).all():
-            raise ActuatorError("a servo restarted by itself and forgot its turns; home again")
+            raise ServoRestartedError("a servo restarted by itself and forgot its turns; home again")
         position_mm = (self._read("present_position") - self._zero_ticks) * self._mm_per_tick
         speed_mm_s = self._read("present_velocity") * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
         return ActuatorState(
@@ -134,7 +141,7 @@ class VirtualActuators:
 
     def _set_torque(self, servo: Servo, torque: int) -> None:
         if torque and servo.memory["hardware_error_status"] & servo.memory["shutdown"]:
-            raise ActuatorError(f"servo {servo.id} shows a hardware error and takes no torque")
+            raise ServoAlarmError(f"servo {servo.id} shows a hardware error and takes no torque")
         if torque and not servo.torque_enabled:
             servo.motor.hold_here()
         servo.memory["torque_enable"] = torque
