@@ -54,9 +54,9 @@ def tracked(samples: Samples, limits: Limits) -> Figures:
 
 def violations(samples: Samples, limits: Limits) -> int:
     """Cycles in which what was sent left the travel, or moved on faster than allowed."""
-    command = samples.command_mm
+    command = samples.command_mm.reshape(-1, samples.command_mm.shape[-1])
     beyond = (command < limits.low_mm - _ROUNDING) | (command > limits.high_mm + _ROUNDING)
-    period_s = float(np.median(np.diff(samples.now_s)))
+    period_s = float(np.median(np.diff(samples.now_s))) / samples.command_mm.shape[1]
     rate = np.abs(np.diff(command, axis=0)) > limits.rate_mm_s * period_s * (1 + _ROUNDING) + 1e-9
     return int(beyond.any(axis=1).sum() + rate.any(axis=1).sum())
 

@@ -1,8 +1,8 @@
 """The virtual bench: a controller's loop against servos, robot and shapes, as fast as they can be computed."""
 
 import copy
+import dataclasses
 import math
-from collections.abc import Sequence
 from typing import Protocol, Self
 
 import numpy as np
@@ -65,7 +65,9 @@ class VirtualBench:
         self._cycles_per_step = max(1, round(settings.robot_step_s / self._period_s))
         self._cycle = 0
         self._missed = 0
-        self._centreline_mm = self.plant.state.shape.centreline_mm
+        self._reason = ""
+        self._asked: tuple[Request, ...] = ()
+        self._replies: tuple[Reply, ...] = ()
 
     @property
     def now_s(self) -> float:
@@ -82,15 +84,10 @@ class VirtualBench:
 
     def run(self, duration_s: float, *requests: Request) -> tuple[Samples, tuple[Reply, ...]]:
         """Go on for `duration_s`, rounded up to whole steps of the robot; `requests` come in the first cycle."""
+        self._asked += requests
+        self._replies = ()
         steps = max(1, math.ceil(duration_s / (self._cycles_per_step * self._period_s) - 1e-9))
-        parts: list[Samples] = []
-        replies: list[Reply] = []
-        for _ in range(steps):
-            part, answers = self._step(requests)
-            requests = ()
-            parts.append(part)
-            replies += answers
-        return Samples.joined(parts), tuple(replies)
+        return Samples.joined([self._step() for _ in range(steps)]), self._replies
 
     def do(self, action: str) -> Reply:
         """Ask for one action; time goes on by one step of the robot."""
@@ -112,28 +109,28 @@ class VirtualBench:
                 f"homing ended in {self.state.mode}: {self.state.supervision.reason if reply.accepted else reply.reason}"
             )
 
-    def _step(self, requests: Sequence[Request]) -> tuple[Samples, tuple[Reply, ...]]:
-        start_s, before = self.now_s, self._centreline_mm
-        rows: list[tuple[LoopState, Outputs | None, Array, bool]] = []
-        replies: tuple[Reply, ...] = ()
-        for _ in range(self._cycles_per_step):
-            outputs = self._controlled(tuple(requests)) if self.actuators.waited_s <= 0 else None
-            if outputs is None:
-                self.actuators.waited_s = max(self.actuators.waited_s - self._period_s, 0.0)
-                self._missed += 1
-            else:
-                requests, replies = (), replies + outputs.replies
-            currents = np.array([servo.motor.current_A * 1e3 for servo in self.plant.servos])
-            torque = any(servo.torque_enabled for servo in self.plant.servos)
-            rows.append((self.state, outputs, currents, torque))
+    def _step(self) -> Samples:
+        """The cycles up to the robot's next step, and that step; the sample is of the moment at which they begin."""
+        start_s, before = self.now_s, self.plant.state
+        commands_mm = np.full((1, self._cycles_per_step, self.plant.axes), np.nan)
+        for cycle in range(self._cycles_per_step):
+            command_mm = self._act()
+            if command_mm is not None:
+                commands_mm[0, cycle] = command_mm
+            if cycle == 0:
+                sample = self._sample()
             self.plant.turn(self._period_s, self.now_s)
             self._cycle += 1
-        state = self.plant.follow(self._cycles_per_step * self._period_s)
-        self._centreline_mm = state.shape.centreline_mm
-        self.seeing.look((start_s, before), (self.now_s, self._centreline_mm))
-        return self._samples(start_s, before, rows), replies
+        after = self.plant.follow(self._cycles_per_step * self._period_s)
+        self.seeing.look((start_s, before.shape.centreline_mm), (self.now_s, after.shape.centreline_mm))
+        return dataclasses.replace(sample, command_mm=commands_mm)
 
-    def _controlled(self, requests: tuple[Request, ...]) -> Outputs:
+    def _act(self) -> Array | None:
+        """One cycle of the controller, or none while it waits for its drive; the command (A,) that it gave."""
+        if self.actuators.waited_s > 0:
+            self.actuators.waited_s = max(self.actuators.waited_s - self._period_s, 0.0)
+            self._missed += 1
+            return None
         self.actuators.now_s = now_s = self.now_s
         drive = self._drive.read(now_s)
         inputs = Inputs(
@@ -142,37 +139,27 @@ class VirtualBench:
             sighting=self.seeing.arrived(now_s),
             drive=drive,
             absence=self._drive.absence,
-            requests=requests,
+            requests=self._asked,
         )
-        self._missed = 0
         self.state, outputs = self._loop.step(self.state, inputs)
         self._drive.act(outputs, now_s)
-        return outputs
+        self._missed, self._asked = 0, ()
+        self._replies += outputs.replies
+        self._reason = outputs.reason
+        return outputs.command_mm
 
-    def _samples(
-        self,
-        start_s: float,
-        before_mm: Array,
-        rows: Sequence[tuple[LoopState, Outputs | None, Array, bool]],
-    ) -> Samples:
-        states, outputs, currents, torque = zip(*rows, strict=True)
-        old, new = self.seeing.nodes(before_mm), self.seeing.nodes(self._centreline_mm)
-        share = np.arange(len(rows)) / len(rows)
-        times = start_s + self._period_s * np.arange(len(rows))
-        names = self.seeing.settings.node_names
-        nothing = np.full(self.plant.axes, np.nan)
+    def _sample(self) -> Samples:
+        servos, names = self.plant.servos, self.seeing.settings.node_names
         return Samples(
-            now_s=times,
-            desired_mm=np.array([_desired(s, t, names) for s, t in zip(states, times.tolist(), strict=True)]),
-            node_mm=old + share[:, None, None] * (new - old),
-            command_mm=np.array(
-                [nothing if o is None or o.command_mm is None else o.command_mm for o in outputs]
-            ),
-            current_ma=np.array(currents),
-            tension_N=np.tile(self.plant.state.tendon_tension_N, (len(rows), 1)),
-            torque=np.array(torque),
-            mode=tuple(str(state.mode) for state in states),
-            reason=tuple("" if o is None else o.reason for o in outputs),
+            now_s=np.array([self.now_s]),
+            desired_mm=_desired(self.state, self.now_s, names)[None],
+            node_mm=self.seeing.nodes(self.plant.state.shape.centreline_mm)[None],
+            command_mm=np.full((1, 0, self.plant.axes), np.nan),
+            current_ma=np.array([[servo.motor.current_A * 1e3 for servo in servos]]),
+            tension_N=self.plant.state.tendon_tension_N[None],
+            torque=np.array([any(servo.torque_enabled for servo in servos)]),
+            mode=(str(self.state.mode),),
+            reason=(self._reason,),
             node_names=names,
         )
 

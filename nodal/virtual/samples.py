@@ -1,4 +1,4 @@
-"""What was asked and what happened, cycle by cycle."""
+"""What was asked and what happened, at each step of the robot."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Samples:
-    """n cycles of a run. Desired and true positions belong to `now_s`; a nodal point that nobody leads has nan as desired."""
+    """n moments of a run, c cycles of the controller apart. A nodal point that nobody leads has nan as desired."""
 
     now_s: Array
     """(n,) virtual time."""
@@ -21,7 +21,7 @@ class Samples:
     node_mm: Array
     """(n, m, 3) the true nodal points."""
     command_mm: Array
-    """(n, A); nan while the drive is told nothing."""
+    """(n, c, A) in this cycle and the following ones; nan while the drive is told nothing."""
     current_ma: Array
     """(n, A)."""
     tension_N: Array
