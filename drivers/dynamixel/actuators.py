@@ -1,7 +1,7 @@
 """Tendon pairs and the stage on one servo bus, in mm: what `drivers.actuators.Actuators` asks for."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -15,8 +15,15 @@ from drivers.dynamixel.axis import Axis
 from drivers.dynamixel.bus import DynamixelBus
 from drivers.dynamixel.commissioning import check_setup, configure, identify
 from drivers.dynamixel.control_table import VOLTS_PER_COUNT, Register
-from drivers.dynamixel.errors import PortLostError, RestartedError, UnconfirmedError
+from drivers.dynamixel.errors import (
+    NoAnswerError,
+    PortLostError,
+    RestartedError,
+    UnconfirmedError,
+    hardware_words,
+)
 from drivers.dynamixel.feedback import Feedback
+from drivers.dynamixel.port import Line, SerialPort
 from drivers.dynamixel.settings import ServoSettings
 
 
@@ -26,13 +33,12 @@ class TendonActuators:
     mm count from where the servos stood at `open`, until `set_zero` says otherwise.
     """
 
-    def __init__(self, settings: ServoSettings) -> None:
-        """Remember the settings; `open` reaches for the bus."""
+    def __init__(self, settings: ServoSettings, line: Line | None = None) -> None:
+        """Remember the settings; `open` reaches for the bus, over the settings' serial port unless a `line` is given."""
         self._settings = settings
         self._ids = [axis.id for axis in settings.axes]
         self._bus = DynamixelBus(
-            settings.port,
-            baud_rate=settings.baud_rate,
+            line or SerialPort(settings.port, settings.baud_rate),
             answer_timeout_s=settings.answer_timeout_ms / 1e3,
             retries=settings.retries,
         )
@@ -41,23 +47,27 @@ class TendonActuators:
     def open(self) -> None:
         """Reach and check every servo, relax it, set what its RAM needs; its position, or its `zero_ticks`, becomes 0 mm.
 
-        Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError; the port is then closed again.
+        Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError, and once RestartedError when servos
+        that this object had set up before have restarted since; the port is then closed again.
         """
         self._bus.open()
         try:
+            self._relax_unheard()
             models = identify(self._bus, self._settings.axes)
             self.disable()
-            self._axes = [
-                Axis(axis, model, 0.0) for axis, model in zip(self._settings.axes, models, strict=True)
-            ]
-            for axis in self._axes:
+            known, self._axes = bool(self._axes), []
+            if known:
+                self._check_memory(models[0].indirect_data_1)
+            axes = [Axis(axis, model, 0.0) for axis, model in zip(self._settings.axes, models, strict=True)]
+            for axis in axes:
                 check_setup(self._bus, axis.settings, axis.model)
                 configure(self._bus, axis, self._settings)
+            self._axes = axes
             self._axes = [
                 axis.zeroed(
                     block.position if axis.settings.zero_ticks is None else axis.settings.zero_ticks, 0.0
                 )
-                for axis, block in zip(self._axes, self._feedback(), strict=True)
+                for axis, block in zip(axes, self._feedback(), strict=True)
             ]
         except BaseException:
             self._bus.close()
@@ -96,7 +106,7 @@ class TendonActuators:
         if expired:
             raise WatchdogExpiredError(
                 f"{self._bus.port}: axis {', '.join(expired)} heard nothing for more than {self._settings.watchdog_ms} ms "
-                "and stopped"
+                f"and stopped{self._hardware_words(blocks)}"
             )
         return self._state(blocks)
 
@@ -159,31 +169,60 @@ class TendonActuators:
     def _set(self, register: Register, *values: int) -> None:
         """Write a register of all servos (one value for all, or one each) and see that it arrived.
 
-        A sync write is not acknowledged, so what did not arrive is written again in a way that is.
+        A sync write is not acknowledged, so what did not arrive is written again in a way that is; a silent servo keeps no
+        other from that, and raises NoAnswerError in the end.
         """
         wanted = dict(zip(self._ids, values if len(values) > 1 else values * len(self._ids), strict=True))
         self._bus.sync_write(register, wanted)
-        found = self._bus.sync_read(self._ids, register)
-        for servo in self._ids:
-            if found[servo] != wanted[servo]:
+        silence: NoAnswerError | None = None
+        try:
+            found = self._bus.sync_read(self._ids, register)
+        except NoAnswerError as error:
+            silence = error
+            found = {servo: register.from_bytes(a.parameters) for servo, a in error.answers.items()}
+            self._bus.sync_write(register, {servo: wanted[servo] for servo in error.silent})
+        for servo, value in found.items():
+            if value != wanted[servo]:
                 self._bus.write(servo, register, wanted[servo])
                 again = self._bus.read(servo, register)
                 if again != wanted[servo]:
                     raise UnconfirmedError(
                         f"{self._bus.port}: servo {servo}: {register.name} reads {again} after {wanted[servo]} was written"
                     )
+        if silence is not None:
+            raise silence
+
+    def _relax_unheard(self) -> None:
+        """Torque off before anything is asked, so that one missing servo does not leave the others pulling."""
+        self._bus.sync_write(table.TORQUE_ENABLE, dict.fromkeys(self._ids, 0))
+
+    def _check_memory(self, indirect_data_1: int) -> None:
+        blocks = self._bus.sync_read_bytes(self._ids, indirect_data_1, feedback.SIZE)
+        self._check_genuine({servo: feedback.decode(block) for servo, block in blocks.items()})
 
     def _feedback(self) -> list[Feedback]:
         address = self._opened()[0].model.indirect_data_1
-        answers = self._bus.sync_read_bytes(self._ids, address, feedback.SIZE)
+        try:
+            answers = self._bus.sync_read_bytes(self._ids, address, feedback.SIZE)
+        except NoAnswerError as error:
+            heard = {s: feedback.decode(a.parameters) for s, a in error.answers.items() if not a.error}
+            error.add(hardware_words({servo: block.hardware_error for servo, block in heard.items()}))
+            raise
         blocks = {servo: feedback.decode(block) for servo, block in answers.items()}
+        self._check_genuine(blocks)
+        return list(blocks.values())
+
+    def _check_genuine(self, blocks: Mapping[int, Feedback]) -> None:
         restarted = [servo for servo, block in blocks.items() if not block.is_genuine]
         if restarted:
             raise RestartedError(
                 f"{self._bus.port}: servo {restarted} restarted by itself (a dip of its supply?) and forgot its turns; "
-                "open the servos and home again"
+                f"open the servos and home again{self._hardware_words(list(blocks.values()))}"
             )
-        return list(blocks.values())
+
+    def _hardware_words(self, blocks: Sequence[Feedback]) -> str:
+        bits = {servo: block.hardware_error for servo, block in zip(self._ids, blocks, strict=True)}
+        return hardware_words(bits)
 
     def _opened(self) -> list[Axis]:
         if not self._axes:
@@ -191,14 +230,14 @@ class TendonActuators:
         return self._axes
 
     def _state(self, blocks: Sequence[Feedback]) -> ActuatorState:
-        pairs = list(zip(self._axes, blocks, strict=True))
-        *displacement_mm, insertion_mm = (axis.position_mm(block.position) for axis, block in pairs)
-        *displacement_mm_s, insertion_mm_s = (axis.velocity_mm_s(block.velocity) for axis, block in pairs)
+        pairs, tendons = list(zip(self._axes, blocks, strict=True)), len(self._settings.tendons)
+        position_mm = [axis.position_mm(block.position) for axis, block in pairs]
+        velocity_mm_s = [axis.velocity_mm_s(block.velocity) for axis, block in pairs]
         return ActuatorState(
-            displacement_mm=np.array(displacement_mm),
-            displacement_mm_s=np.array(displacement_mm_s),
-            insertion_mm=insertion_mm,
-            insertion_mm_s=insertion_mm_s,
+            displacement_mm=np.array(position_mm[:tendons]),
+            displacement_mm_s=np.array(velocity_mm_s[:tendons]),
+            insertion_mm=sum(position_mm[tendons:]),
+            insertion_mm_s=sum(velocity_mm_s[tendons:]),
             current_ma=np.array([block.current * axis.model.current_unit_ma for axis, block in pairs]),
             temperature_c=np.array([float(block.temperature) for block in blocks]),
             voltage_v=np.array([block.voltage * VOLTS_PER_COUNT for block in blocks]),
@@ -207,11 +246,16 @@ class TendonActuators:
         )
 
     def _positions_mm(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> list[float]:
-        if np.shape(displacement_mm) != (len(self._settings.tendons),):
+        """What is asked of each axis, checked to be one number each."""
+        tendons, stage = len(self._settings.tendons), self._settings.stage
+        if np.shape(displacement_mm) != (tendons,):
             raise CommandRefusedError(
-                f"displacements have shape {np.shape(displacement_mm)}; there are {len(self._settings.tendons)} tendon pairs"
+                f"displacements have shape {np.shape(displacement_mm)}; there are {tendons} tendon pairs"
             )
-        return [*map(float, displacement_mm), float(insertion_mm)]
+        if stage is None and insertion_mm != 0:
+            raise CommandRefusedError(f"insertion {insertion_mm} mm must be 0: there is no stage")
+        positions_mm: list[float] = np.asarray(displacement_mm, float).tolist()
+        return positions_mm if stage is None else [*positions_mm, float(insertion_mm)]
 
 
 def _note_trouble(action: Callable[[], None], error: BaseException) -> None:

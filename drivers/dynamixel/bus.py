@@ -1,23 +1,30 @@
 """Conversations with the servos on one bus: every one ends in a deadline, a typed error or a checked answer."""
 
 import dataclasses
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
 from drivers.dynamixel import protocol
 from drivers.dynamixel.control_table import HARDWARE_ERROR_STATUS, Register
 from drivers.dynamixel.errors import CorruptAnswerError, HardwareError, NoAnswerError, StatusError
-from drivers.dynamixel.port import SerialPort
+from drivers.dynamixel.port import Line
 from drivers.dynamixel.protocol import (
     Dropped,
     FastStatusPacket,
     Instruction,
+    Packet,
     PacketParser,
     StatusPacket,
 )
 
+PROMPT_S = 0.002
+"""How long after its time on the wire an answer is usually there. A sync read that is asked again and again, as in every cycle,
+is repeated when that is over, so that a lost packet is made up for within the cycle; its last attempt waits for all the time
+that is allowed. Another question would have to wait for late answers, so there each attempt waits in full."""
+QUIET_S = 0.002
+"""How long nothing may have come before another question is asked: longer than a servo's longest return delay (508 us) and an
+adapter's 1 ms, so that a second answer is not taken for the answer to that question."""
 REBOOT_DEADLINE_S = 2.0
 REBOOT_POLL_S = 0.02
 
@@ -31,42 +38,41 @@ class Identity:
 
 
 class DynamixelBus:
-    """Servos that speak Protocol 2.0 on one serial port.
+    """Servos that speak Protocol 2.0 on one line.
 
-    Every method raises PortLostError when the port is not open or goes away; those that wait for answers raise
+    Every method raises PortLostError when the line is not open or goes away; those that wait for answers raise
     NoAnswerError or CorruptAnswerError after `retries` repetitions, and StatusError when a servo refuses. The longest
-    they take is (2 + retries) answer timeouts and the time on the wire.
+    they take is (3 + retries) answer timeouts and the time on the wire.
     `alerts` holds the servos whose newest answer had the alert bit: their hardware reports an error.
     """
 
-    def __init__(
-        self, port: str, *, baud_rate: int = 1_000_000, answer_timeout_s: float = 0.02, retries: int = 2
-    ) -> None:
-        """Remember the port; `open` opens it."""
+    def __init__(self, line: Line, *, answer_timeout_s: float = 0.02, retries: int = 2) -> None:
+        """Remember the line; `open` opens it."""
         self.alerts: set[int] = set()
-        self._port = SerialPort(port, baud_rate)
+        self._line = line
         self._answer_timeout_s = answer_timeout_s
         self._attempts = 1 + retries
-        self._late_question: object = None
+        self._question: object = None
         self._late_until_s = 0.0
+        self._heard_s = 0.0
 
     @property
     def port(self) -> str:
         """The port's path."""
-        return self._port.path
+        return self._line.path
 
     @property
     def is_open(self) -> bool:
         """Whether the port is held."""
-        return self._port.is_open
+        return self._line.is_open
 
     def open(self) -> None:
         """Take the port; raises PortMissingError, PortBusyError or PortError."""
-        self._port.open()
+        self._line.open()
 
     def close(self) -> None:
         """Let the port go; `open` may take it again."""
-        self._port.close()
+        self._line.close()
 
     def __enter__(self) -> Self:
         """Open."""
@@ -106,7 +112,7 @@ class DynamixelBus:
     def sync_write(self, register: Register, values: Mapping[int, int]) -> None:
         """Write one register of several servos, in one packet that nobody answers."""
         data = {servo: register.to_bytes(value) for servo, value in values.items()}
-        self._port.send(protocol.sync_write(register.address, data).to_bytes())
+        self._line.send(protocol.sync_write(register.address, data).to_bytes())
 
     def sync_read(self, servos: Sequence[int], register: Register) -> dict[int, int]:
         """One register of several servos."""
@@ -120,21 +126,32 @@ class DynamixelBus:
         silent ones alone, by plain sync read. The error after the last names who is still silent, and carries the answers
         of the others.
         """
-        answers: dict[int, StatusPacket] = {}
-        rubbish, waited_s = b"", 0.0
-        self._await_late_answers(question := (address, size))
-        for attempt in range(self._attempts):
-            missing = [servo for servo in servos if servo not in answers]
+
+        def ask(missing: Sequence[int], attempt: int) -> Instruction:
             build = protocol.sync_read if attempt else protocol.fast_sync_read
-            instruction = build(missing, address, size)
-            heard, rubbish, took_s = self._attempt(instruction, missing, size, question)
-            waited_s += took_s
-            for answer in heard.values():
-                self._check(answer, f"read {size} bytes at {address}")
-            answers |= heard
-            if len(answers) == len(servos):
-                return {servo: answers[servo].parameters for servo in servos}
-        raise self._silence([servo for servo in servos if servo not in answers], answers, waited_s, rubbish)
+            return build(missing, address, size)
+
+        question = (address, size)
+        answers = self._converse(
+            servos,
+            size,
+            question,
+            ask,
+            f"read {size} bytes at {address}",
+            in_a_hurry=question == self._question,
+        )
+        return {servo: answers[servo].parameters for servo in servos}
+
+    def overhear(self, instruction: Instruction, wait_s: float) -> list[Packet]:
+        """Send once and return all that comes until `wait_s` after its time on the wire: answers, second ones, rubbish."""
+        packet = instruction.to_bytes()
+        self._line.send(packet)
+        deadline_s = self._line.now_s() + self._line.transfer_time_s(len(packet)) + wait_s
+        parser = PacketParser()
+        packets: list[Packet] = []
+        while data := self._line.receive(deadline_s):
+            packets += parser.receive(data)
+        return packets + parser.give_up_waiting()
 
     def check_hardware(self, servos: Sequence[int]) -> None:
         """Raise HardwareError when one of the servos reports a hardware error."""
@@ -145,55 +162,100 @@ class DynamixelBus:
     def reboot(self, servo: int) -> None:
         """Restart a servo and wait until it answers again; its RAM is as after power-on."""
         self._ask(protocol.reboot(servo), 0, "reboot")
-        deadline_s = time.monotonic() + REBOOT_DEADLINE_S
+        deadline_s = self._line.now_s() + REBOOT_DEADLINE_S
         while True:
-            time.sleep(REBOOT_POLL_S)
+            self._line.pause(REBOOT_POLL_S)
             try:
                 self.ping(servo)
             except NoAnswerError:
-                if time.monotonic() > deadline_s:
+                if self._line.now_s() > deadline_s:
                     raise
             else:
                 return
 
     def _ask(self, instruction: Instruction, size: int, doing: str) -> StatusPacket:
         servo = instruction.id
-        rubbish, waited_s = b"", 0.0
-        answer: StatusPacket | None = None
-        self._await_late_answers(instruction)
-        for _ in range(self._attempts):
-            heard, rubbish, took_s = self._attempt(instruction, [servo], size, instruction)
-            waited_s += took_s
-            answer = heard.get(servo)
-            if answer is not None and answer.error != protocol.GARBLED_INSTRUCTION:
+        return self._converse([servo], size, instruction, lambda _missing, _attempt: instruction, doing)[
+            servo
+        ]
+
+    def _converse(
+        self,
+        servos: Sequence[int],
+        size: int,
+        question: object,
+        ask: Callable[[Sequence[int], int], Instruction],
+        doing: str,
+        *,
+        in_a_hurry: bool = False,
+    ) -> dict[int, StatusPacket]:
+        """Ask those that have not answered until all have, and see that none refuses.
+
+        What the last attempt left open is an error, and whatever any answer of any attempt complained of is in its text.
+        """
+        if question != self._question:
+            self._question = question
+            self._await_quiet()
+        began_s = self._line.now_s()
+        answers: dict[int, StatusPacket] = {}
+        rubbish, missing = b"", list(servos)
+        for attempt in range(self._attempts):
+            patience_s = self._answer_timeout_s
+            if in_a_hurry and attempt == self._attempts - 1:
+                patience_s = max(patience_s, self._attempts * patience_s - (self._line.now_s() - began_s))
+            elif in_a_hurry:
+                patience_s = min(PROMPT_S, patience_s)
+            heard, rubbish = self._attempt(ask(missing, attempt), missing, size, patience_s)
+            answers |= heard
+            missing = [
+                servo
+                for servo in servos
+                if servo not in answers or answers[servo].error == protocol.GARBLED_INSTRUCTION
+            ]
+            if not missing:
                 break
-        if answer is None:
-            raise self._silence([servo], {}, waited_s, rubbish)
-        return self._check(answer, doing)
+        for answer in answers.values():
+            (self.alerts.add if answer.alert else self.alerts.discard)(answer.id)
+        if silent := [servo for servo in missing if servo not in answers]:
+            waited_s = self._line.now_s() - began_s
+            if rubbish:
+                raise CorruptAnswerError(self.port, silent, answers, waited_s, rubbish)
+            raise NoAnswerError(self.port, silent, answers, waited_s)
+        for servo, answer in answers.items():
+            if answer.error:
+                others = [other for other in answers.values() if other.id != servo]
+                raise StatusError(self.port, answer, doing, others)
+        return answers
 
     def _attempt(
-        self, instruction: Instruction, servos: Sequence[int], size: int, question: object
-    ) -> tuple[dict[int, StatusPacket], bytes, float]:
-        """Send once; who of `servos` answered with `size` parameters, what else was received, and the time it took."""
-        packet = instruction.to_bytes()
-        start_s = time.monotonic()
-        expected_bytes = len(packet) + len(servos) * (protocol.EMPTY_STATUS_SIZE + size)
-        deadline_s = start_s + self._answer_timeout_s + self._port.transfer_time_s(expected_bytes)
-        none_is_late = start_s >= self._late_until_s
-        self._late_until_s, self._late_question = deadline_s + self._answer_timeout_s, question
-        self._port.send(packet)
-        parser = PacketParser()
+        self, instruction: Instruction, servos: Sequence[int], size: int, patience_s: float
+    ) -> tuple[dict[int, StatusPacket], bytes]:
+        """Send once; who of `servos` answered with `size` parameters, and what else was received.
+
+        Answers come in the order of the questions, so what comes one by one to a fast sync read is late, and older.
+        """
+        line, packet = self._line, instruction.to_bytes()
+        began_s = line.now_s()
+        sent_s = began_s + line.transfer_time_s(len(packet))
+        answered_s = sent_s + line.transfer_time_s(len(servos) * (protocol.EMPTY_STATUS_SIZE + size))
+        none_is_late = began_s >= self._late_until_s
+        self._late_until_s = answered_s + 2 * self._answer_timeout_s
+        line.send(packet)
+        parser = PacketParser(max_length=len(servos) * (protocol.EMPTY_STATUS_SIZE + size) * 2)
         answers: dict[int, StatusPacket] = {}
         received, rubbish = b"", b""
+        one_by_one = instruction.code != protocol.Code.FAST_SYNC_READ
+        deadline_s = sent_s + patience_s  # for the first of it; nobody will answer what nobody has heard
         while len(answers) < len(servos):
-            data = self._port.receive(deadline_s)
+            data = line.receive(deadline_s)
             received += data
+            deadline_s = answered_s + patience_s
             for event in parser.receive(data) if data else parser.give_up_waiting():
                 match event:
-                    case StatusPacket() if event.id in servos and (
-                        len(event.parameters) == size or event.error
+                    case StatusPacket(id=servo) if servo in servos and (
+                        one_by_one and (len(event.parameters) == size or event.error)
                     ):
-                        answers[event.id] = event
+                        answers[servo] = event
                     case FastStatusPacket(raw):
                         answers |= _parts_of_one(raw, servos, size)
                     case Dropped(dropped):
@@ -201,30 +263,20 @@ class DynamixelBus:
             if not data:
                 answers |= _parts_of_one(protocol.salvage_fast_status(received, size), servos, size)
                 break
+        if received:
+            self._heard_s = line.now_s()
         if none_is_late and len(answers) == len(servos):
             self._late_until_s = 0.0
-        return answers, rubbish, time.monotonic() - start_s
+        return answers, rubbish
 
-    def _await_late_answers(self, question: object) -> None:
-        """Answers do not say what they answer, so one to another question must not come as late as after this one.
+    def _await_quiet(self) -> None:
+        """Answers do not say what they answer, so none to another question may come as late as after this one.
 
         A late answer to the same question is welcome: it says the same. What has come by then is dropped when sending.
         """
-        if question != self._late_question:
-            time.sleep(max(0.0, self._late_until_s - time.monotonic()))
-
-    def _check(self, answer: StatusPacket, doing: str) -> StatusPacket:
-        (self.alerts.add if answer.alert else self.alerts.discard)(answer.id)
-        if answer.error:
-            raise StatusError(self.port, answer.id, answer.error, doing)
-        return answer
-
-    def _silence(
-        self, silent: Sequence[int], answers: Mapping[int, StatusPacket], waited_s: float, rubbish: bytes
-    ) -> NoAnswerError:
-        if rubbish:
-            return CorruptAnswerError(self.port, silent, answers, waited_s, rubbish)
-        return NoAnswerError(self.port, silent, answers, waited_s)
+        quiet_at_s = max(self._late_until_s, self._heard_s + QUIET_S)
+        if (wait_s := quiet_at_s - self._line.now_s()) > 0:
+            self._line.pause(wait_s)
 
 
 def _parts_of_one(raw: bytes, servos: Sequence[int], size: int) -> dict[int, StatusPacket]:

@@ -9,6 +9,7 @@ from drivers.dynamixel.bus import DynamixelBus
 from drivers.dynamixel.control_table import MODELS, Model, Register
 from drivers.dynamixel.errors import WrongModelError, WrongSetupError
 from drivers.dynamixel.feedback import ANSWER_EVERYTHING
+from drivers.dynamixel.port import SerialPort
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 
 EEPROM_SETUP: tuple[tuple[Register, int], ...] = (
@@ -82,7 +83,7 @@ def commission(settings: ServoSettings) -> list[str]:
     Raises PortError, NoAnswerError, WrongModelError, StatusError.
     """
     changes = []
-    with DynamixelBus(settings.port, baud_rate=settings.baud_rate) as bus:
+    with DynamixelBus(SerialPort(settings.port, settings.baud_rate)) as bus:
         identify(bus, settings.axes)
         for axis in settings.axes:
             bus.write(axis.id, table.TORQUE_ENABLE, 0)

@@ -14,6 +14,8 @@ RAD_S2_PER_ACCELERATION = 214.577 * 2 * math.pi / 3600
 VOLTS_PER_COUNT = 0.1
 MAX_TURNS = 256
 """How far multi-turn positions reach, either way."""
+BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+"""By the value of the register Baud Rate."""
 WATCHDOG_UNIT_MS = 20
 WATCHDOG_EXPIRED = -1
 
@@ -58,7 +60,7 @@ _R, _RW, _EEPROM = Access.READ, Access.READ_WRITE, Area.EEPROM
 MODEL_NUMBER = Register("Model Number", 0, 2, "", _R, _EEPROM)
 FIRMWARE_VERSION = Register("Firmware Version", 6, 1, "", _R, _EEPROM)
 ID = Register("ID", 7, 1, "", _RW, _EEPROM)
-BAUD_RATE = Register("Baud Rate", 8, 1, "0..7: 9600, 57600, 115200, 1M, 2M, 3M, 4M, 4.5M", _RW, _EEPROM)
+BAUD_RATE = Register("Baud Rate", 8, 1, "place in BAUD_RATES", _RW, _EEPROM)
 RETURN_DELAY_TIME = Register("Return Delay Time", 9, 1, "2 us", _RW, _EEPROM)
 DRIVE_MODE = Register("Drive Mode", 10, 1, "bits", _RW, _EEPROM)
 OPERATING_MODE = Register("Operating Mode", 11, 1, "", _RW, _EEPROM)

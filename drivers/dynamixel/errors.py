@@ -12,12 +12,13 @@ ActuatorError
     |-- HardwareError          a servo's own error bits, named
     |-- WrongModelError        a servo that this driver does not know, or whose firmware is too old
     |-- WrongSetupError        settings kept in a servo's EEPROM are not what the bench needs
-    `-- UnconfirmedError       a servo acknowledged, and reads back something else
+    |-- UnconfirmedError       a servo acknowledged, and reads back something else
+    `-- RestartedError         a servo restarted by itself, and forgot its turns
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from drivers.actuators import ActuatorError
+from drivers.actuators import ActuatorError, ServoAlarmError, ServoRestartedError
 from drivers.dynamixel.control_table import hardware_error_names
 from drivers.dynamixel.protocol import ERROR_MEANINGS, StatusPacket
 
@@ -43,16 +44,29 @@ class PortLostError(PortError):
 
 
 class NoAnswerError(ServoError):
-    """Servos `silent` did not answer in time; `answers` holds what the others said."""
+    """Servos `silent` did not answer in time; `answers` holds what the others said, their own trouble included."""
 
     def __init__(
-        self, port: str, silent: Sequence[int], answers: Mapping[int, StatusPacket], within_s: float
+        self,
+        port: str,
+        silent: Sequence[int],
+        answers: Mapping[int, StatusPacket],
+        within_s: float,
+        rubbish: bytes = b"",
     ) -> None:
-        """Name the silent servos."""
+        """Name the silent servos, and what the others complain of."""
+        instead = f"; received instead: {rubbish[:24].hex(' ')}" if rubbish else ""
         heard = f"; servos {sorted(answers)} answered" if answers else ""
-        super().__init__(f"{port}: no answer from servo {_ids(silent)} within {within_s * 1e3:.0f} ms{heard}")
+        super().__init__(
+            f"{port}: no answer from servo {_ids(silent)} within {within_s * 1e3:.0f} ms{instead}{heard}"
+            f"{complaints(answers.values())}"
+        )
         self.silent = tuple(silent)
         self.answers = dict(answers)
+
+    def add(self, words: str) -> None:
+        """Say more."""
+        self.args = (f"{self.args[0]}{words}",)
 
 
 class CorruptAnswerError(NoAnswerError):
@@ -67,29 +81,34 @@ class CorruptAnswerError(NoAnswerError):
         rubbish: bytes,
     ) -> None:
         """Show the beginning of what came instead."""
-        super().__init__(port, silent, answers, within_s)
-        self.args = (f"{self.args[0]}; received instead: {rubbish[:24].hex(' ')}",)
+        super().__init__(port, silent, answers, within_s, rubbish)
+        self.add(" (noise on the line, or two servos with one id: `nodal servos list` tells)")
         self.rubbish = rubbish
 
 
 class StatusError(ServoError):
     """Servo `servo` refused an instruction; `error` is the number in its answer."""
 
-    def __init__(self, port: str, servo: int, error: int, doing: str) -> None:
-        """Say what was asked and what the number means."""
-        meaning = ERROR_MEANINGS.get(error, "unknown error number")
-        super().__init__(f"{port}: servo {servo} refused to {doing}: {meaning} (error {error})")
-        self.servo = servo
-        self.error = error
+    def __init__(
+        self, port: str, refusal: StatusPacket, doing: str, others: Iterable[StatusPacket] = ()
+    ) -> None:
+        """Say what was asked, what the number means, and what other servos complain of."""
+        alert = " and reports a hardware error" if refusal.alert else ""
+        super().__init__(
+            f"{port}: servo {refusal.id} refused to {doing}: {_meaning(refusal.error)}{alert}{complaints(others)}"
+        )
+        self.servo = refusal.id
+        self.error = refusal.error
 
 
-class HardwareError(ServoError):
+class HardwareError(ServoError, ServoAlarmError):
     """Servos report hardware errors: `bits` by servo id. A servo that shut down needs a reboot."""
 
     def __init__(self, port: str, bits: Mapping[int, int]) -> None:
         """Name the errors."""
-        named = "; ".join(f"servo {servo}: {hardware_error_names(value)}" for servo, value in bits.items())
-        super().__init__(f"{port}: hardware error, reboot needed: {named}")
+        super().__init__(
+            f"{port}: hardware error{hardware_words(bits)}; find the cause, then `nodal servos reboot`"
+        )
         self.bits = dict(bits)
 
 
@@ -105,8 +124,36 @@ class UnconfirmedError(ServoError):
     """A servo does not read back what was written."""
 
 
-class RestartedError(ServoError):
+class RestartedError(ServoError, ServoRestartedError):
     """A servo has restarted by itself: it is relaxed, and which turn it is in is not known any more."""
+
+
+def complaints(answers: Iterable[StatusPacket]) -> str:
+    """What these answers say besides their parameters, to be put behind another text; nothing when all is well."""
+    return "".join(
+        f"; servo {answer.id} "
+        + " and ".join(
+            words
+            for words in (
+                f"refuses: {_meaning(answer.error)}" if answer.error else "",
+                "reports a hardware error" if answer.alert else "",
+            )
+            if words
+        )
+        for answer in answers
+        if answer.error or answer.alert
+    )
+
+
+def hardware_words(bits: Mapping[int, int]) -> str:
+    """Hardware errors by servo id, to be put behind another text; nothing when all is well."""
+    return "".join(
+        f"; servo {servo}: {hardware_error_names(value)}" for servo, value in bits.items() if value
+    )
+
+
+def _meaning(error: int) -> str:
+    return f"{ERROR_MEANINGS.get(error, 'unknown error number')} (error {error})"
 
 
 def _ids(servos: Sequence[int]) -> str:

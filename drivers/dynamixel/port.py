@@ -6,6 +6,7 @@ import os
 import select
 import termios
 import time
+from typing import Protocol
 
 import serial
 
@@ -15,14 +16,61 @@ READ_SIZE = 4096
 BITS_PER_BYTE = 10
 
 
+class Line(Protocol):
+    """What the bus asks of whatever carries its bytes; it keeps the time too, so that a line may live in virtual time."""
+
+    @property
+    def path(self) -> str:
+        """What errors call it."""
+        ...
+
+    @property
+    def is_open(self) -> bool:
+        """Whether bytes may be sent."""
+        ...
+
+    def open(self) -> None:
+        """Take it; raises PortError."""
+        ...
+
+    def close(self) -> None:
+        """Let it go, whatever state it is in."""
+        ...
+
+    def send(self, data: bytes) -> None:
+        """Drop what was received before and send; raises PortLostError."""
+        ...
+
+    def receive(self, deadline_s: float) -> bytes:
+        """Some bytes as soon as there are any, or none at `deadline_s`; raises PortLostError."""
+        ...
+
+    def transfer_time_s(self, byte_count: int) -> float:
+        """How long so many bytes take."""
+        ...
+
+    def now_s(self) -> float:
+        """The line's clock, which only runs forwards."""
+        ...
+
+    def pause(self, seconds: float) -> None:
+        """Wait."""
+        ...
+
+
 class SerialPort:
     """A serial port opened for this process alone, that waits in the kernel and never longer than it is told."""
 
-    def __init__(self, path: str, baud_rate: int) -> None:
+    def __init__(self, path: str, baud_rate: int = 1_000_000) -> None:
         """Remember where; nothing is opened yet."""
-        self.path = path
-        self.baud_rate = baud_rate
+        self._path = path
+        self._baud_rate = baud_rate
         self._serial: serial.Serial | None = None
+
+    @property
+    def path(self) -> str:
+        """The device's path."""
+        return self._path
 
     @property
     def is_open(self) -> bool:
@@ -34,8 +82,8 @@ class SerialPort:
         if self._serial is not None:
             return
         try:
-            self._serial = serial.Serial(self.path, self.baud_rate, timeout=0, exclusive=True)
-        except (serial.SerialException, OSError, ValueError) as error:
+            self._serial = serial.Serial(self.path, self._baud_rate, timeout=0, exclusive=True)
+        except (serial.SerialException, termios.error, OSError, ValueError) as error:
             raise self._refusal(error) from error
         with contextlib.suppress(ValueError, NotImplementedError):  # only some adapters have a latency timer
             self._serial.set_low_latency_mode(True)
@@ -74,7 +122,15 @@ class SerialPort:
 
     def transfer_time_s(self, byte_count: int) -> float:
         """How long `byte_count` bytes take on the wire."""
-        return byte_count * BITS_PER_BYTE / self.baud_rate
+        return byte_count * BITS_PER_BYTE / self._baud_rate
+
+    def now_s(self) -> float:
+        """time.monotonic."""
+        return time.monotonic()
+
+    def pause(self, seconds: float) -> None:
+        """Sleep."""
+        time.sleep(seconds)
 
     def _opened(self) -> serial.Serial:
         if self._serial is None:
@@ -97,4 +153,4 @@ class SerialPort:
                 return PortError(
                     f"serial port {self.path} may not be opened by this user; is it in group dialout?"
                 )
-        return PortError(f"serial port {self.path} cannot be used at {self.baud_rate} baud: {error}")
+        return PortError(f"serial port {self.path} cannot be used at {self._baud_rate} baud: {error}")

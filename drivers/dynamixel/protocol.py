@@ -15,7 +15,7 @@ MAX_ID = 0xFC
 BROADCAST_ID = 0xFE
 EMPTY_STATUS_SIZE = 11
 MAX_LENGTH = 1024
-"""Longer packets are taken for rubbish, so that a false header cannot hold up the ones behind it for long."""
+"""Longer packets are taken for rubbish by default."""
 
 ALERT_BIT = 0x80
 ERROR_MEANINGS = {
@@ -58,8 +58,9 @@ _CRC_TABLE = _crc_table()
 
 def crc16(data: bytes, crc: int = 0) -> int:
     """CRC-16 with polynomial 0x8005 over `data`, going on from `crc` (e-manual, "CRC Calculation")."""
+    table = _CRC_TABLE
     for byte in data:
-        crc = ((crc << 8) & 0xFF00) ^ _CRC_TABLE[(crc >> 8) ^ byte]
+        crc = (crc << 8 & 0xFF00) ^ table[crc >> 8 ^ byte]
     return crc
 
 
@@ -112,9 +113,10 @@ class PacketParser:
     Nothing is lost in silence: every byte received ends in a packet, in `Dropped`, or waits for the rest of its packet.
     """
 
-    def __init__(self) -> None:
-        """Start with nothing received."""
+    def __init__(self, max_length: int = MAX_LENGTH) -> None:
+        """Start with nothing received. A length field above `max_length` is rubbish: it would only hold up what is behind it."""
         self._buffer = bytearray()
+        self._max_length = max_length
 
     def receive(self, data: bytes) -> list[Packet]:
         """Packets completed by `data`, in order."""
@@ -141,7 +143,7 @@ class PacketParser:
         if len(buffer) < 7:
             return None
         length = int.from_bytes(buffer[5:7], "little")
-        if (buffer[4] > MAX_ID and buffer[4] != BROADCAST_ID) or not 3 <= length <= MAX_LENGTH:
+        if (buffer[4] > MAX_ID and buffer[4] != BROADCAST_ID) or not 3 <= length <= self._max_length:
             return self._drop(len(HEADER), "impossible id or length")
         return self._complete(7 + length) if len(buffer) >= 7 + length else None
 

@@ -4,6 +4,8 @@ from typing import Annotated
 
 import msgspec
 
+from drivers.dynamixel.control_table import BAUD_RATES
+
 ServoId = Annotated[int, msgspec.Meta(ge=0, le=252)]
 BaudRate = Annotated[int, msgspec.Meta(ge=9_600, le=4_500_000)]
 
@@ -37,11 +39,11 @@ class AxisSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
 
 class ServoSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One bus: the tendon pairs in the order of every displacement vector, and the stage."""
+    """One bus: the tendon pairs in the order of every displacement vector, and the stage, if the robot stands on one."""
 
     port: Annotated[str, msgspec.Meta(min_length=1)]
     tendons: Annotated[tuple[AxisSettings, ...], msgspec.Meta(min_length=1)]
-    stage: AxisSettings
+    stage: AxisSettings | None = None
     baud_rate: BaudRate = 1_000_000
     profile_velocity_rad_s: Annotated[float, msgspec.Meta(gt=0, le=780)] = 4.0
     profile_acceleration_rad_s2: Annotated[float, msgspec.Meta(gt=0, le=12_000)] = 100.0
@@ -52,11 +54,13 @@ class ServoSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
     @property
     def axes(self) -> tuple[AxisSettings, ...]:
-        """The tendon pairs, then the stage."""
-        return (*self.tendons, self.stage)
+        """The tendon pairs, then the stage if there is one."""
+        return self.tendons if self.stage is None else (*self.tendons, self.stage)
 
     def __post_init__(self) -> None:
         """Check what the bounds of single fields cannot say."""
         for what, values in (("id", [a.id for a in self.axes]), ("name", [a.name for a in self.axes])):
             if len(set(values)) != len(values):
                 raise ValueError(f"axes: every {what} must be used once, not {values}")
+        if self.baud_rate not in BAUD_RATES:
+            raise ValueError(f"baud_rate {self.baud_rate}: servos speak at {', '.join(map(str, BAUD_RATES))}")

@@ -5,6 +5,7 @@ import pytest
 
 from drivers.dynamixel.actuators import TendonActuators
 from drivers.dynamixel.bus import DynamixelBus
+from drivers.dynamixel.port import SerialPort
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 from drivers.simulated.servos.emulated import EmulatedServos
 from drivers.simulated.servos.settings import EmulatedServosSettings
@@ -66,7 +67,7 @@ def settings(tmp_path):
 
 @pytest.fixture
 def bus(bench, settings):
-    with DynamixelBus(settings.port, answer_timeout_s=0.05) as bus:
+    with DynamixelBus(SerialPort(settings.port), answer_timeout_s=0.05) as bus:
         yield bus
 
 

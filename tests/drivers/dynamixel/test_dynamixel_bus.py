@@ -19,6 +19,7 @@ from drivers.dynamixel.errors import (
     PortMissingError,
     StatusError,
 )
+from drivers.dynamixel.port import SerialPort
 from drivers.simulated.servos.settings import Faults
 
 IDS = (11, 12, 21, 22, 30)
@@ -45,7 +46,7 @@ def test_all_servos_are_written_and_read_at_once(bus):
 
 
 def test_all_servos_are_read_in_one_exchange(bench, settings):
-    with DynamixelBus(settings.port, answer_timeout_s=1.0, retries=0) as bus:
+    with DynamixelBus(SerialPort(settings.port), answer_timeout_s=1.0, retries=0) as bus:
         assert positions(bus) == dict.fromkeys(IDS, 2048)
 
 
@@ -57,11 +58,11 @@ def test_a_value_that_looks_like_a_header_comes_through(bus):
 
 def test_a_missing_port_is_named(tmp_path):
     with pytest.raises(PortMissingError, match="no-adapter"):
-        DynamixelBus(str(tmp_path / "no-adapter")).open()
+        DynamixelBus(SerialPort(str(tmp_path / "no-adapter"))).open()
 
 
 def test_a_second_opener_is_told_that_the_port_is_busy(bus):
-    second = DynamixelBus(bus.port)
+    second = DynamixelBus(SerialPort(bus.port))
     with pytest.raises(PortBusyError):
         second.open()
     bus.close()
@@ -72,18 +73,18 @@ def test_a_second_opener_is_told_that_the_port_is_busy(bus):
 def test_something_that_is_no_serial_port_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(PortError, match="cannot be used"):
-        DynamixelBus(str(tmp_path / "file")).open()
+        DynamixelBus(SerialPort(str(tmp_path / "file"))).open()
 
 
 def test_a_port_that_is_not_open_says_so(bench, settings):
     with pytest.raises(PortLostError, match="not open"):
-        DynamixelBus(settings.port).ping(11)
+        DynamixelBus(SerialPort(settings.port)).ping(11)
 
 
 def test_nobody_at_the_other_end_is_an_error_in_bounded_time_without_spinning():
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
-    with DynamixelBus(os.ttyname(theirs), answer_timeout_s=0.05, retries=2) as bus:
+    with DynamixelBus(SerialPort(os.ttyname(theirs)), answer_timeout_s=0.05, retries=2) as bus:
         wall_s, cpu_s = time.monotonic(), time.process_time()
         with pytest.raises(NoAnswerError, match=r"servo 1 within \d+ ms") as caught:
             bus.read(1, table.PRESENT_POSITION)
@@ -134,7 +135,7 @@ def test_answers_that_are_always_spoilt_are_reported_as_corrupt(bench, bus, faul
 
 def test_a_late_answer_is_not_taken_for_the_answer_to_another_question(bench, settings):
     bench.set_faults(Faults(delay=frozenset({1}), delay_s=0.3))
-    with DynamixelBus(settings.port, answer_timeout_s=0.2, retries=0) as bus:
+    with DynamixelBus(SerialPort(settings.port), answer_timeout_s=0.2, retries=0) as bus:
         with pytest.raises(NoAnswerError):
             bus.read(11, table.PRESENT_TEMPERATURE)
         bench.set_faults(Faults(drop=frozenset({1})))
@@ -145,7 +146,7 @@ def test_a_late_answer_is_not_taken_for_the_answer_to_another_question(bench, se
 
 def test_a_late_answer_is_welcome_to_its_own_question_but_another_is_still_to_come(bench, settings):
     bench.set_faults(Faults(delay=frozenset({1, 2}), delay_s=0.3))
-    with DynamixelBus(settings.port, answer_timeout_s=0.2, retries=1) as bus:
+    with DynamixelBus(SerialPort(settings.port), answer_timeout_s=0.2, retries=1) as bus:
         assert bus.read(11, table.PRESENT_TEMPERATURE) == 28
         bench.set_faults(Faults(drop=frozenset({1, 2})))
         time.sleep(0.05)  # the second late answer would come just inside the next question's time
@@ -182,7 +183,7 @@ def test_a_hardware_error_raises_the_alert_and_is_named(bench, bus):
 
 def test_a_port_that_goes_away_is_closed_and_can_be_opened_again(make_bench, settings):
     bench = make_bench()
-    bus = DynamixelBus(settings.port, answer_timeout_s=0.05)
+    bus = DynamixelBus(SerialPort(settings.port), answer_timeout_s=0.05)
     bus.open()
     bench.close()
     with pytest.raises(PortLostError, match="opened again"):

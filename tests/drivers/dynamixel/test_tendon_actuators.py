@@ -15,11 +15,13 @@ from drivers.dynamixel.errors import (
     HardwareError,
     NoAnswerError,
     PortLostError,
+    PortMissingError,
     RestartedError,
     StatusError,
     WrongModelError,
     WrongSetupError,
 )
+from drivers.dynamixel.port import SerialPort
 from drivers.simulated.servos.settings import Faults
 
 MM_PER_RAD = np.array([8.0, -8.0, 8.0, 8.0])
@@ -196,7 +198,7 @@ def test_a_broken_servo_is_named_and_reboots_without_losing_its_place(bench, act
 
 def test_a_servo_that_restarted_by_itself_is_not_believed(bench, actuators):
     actuators.enable()
-    bench._bus.servos[2].reboot(bench.now_s)
+    bench.restart(21)
     bench.now_s += 1
     with pytest.raises(RestartedError, match=r"servo \[21\] restarted"):
         actuators.read()
@@ -249,7 +251,7 @@ def test_trouble_on_the_way_out_does_not_hide_the_reason_and_relaxes_who_can_be_
 
 
 def test_a_restart_never_finds_the_servos_armed(bench, settings):
-    with DynamixelBus(settings.port) as bus:
+    with DynamixelBus(SerialPort(settings.port)) as bus:
         bus.sync_write(table.STATUS_RETURN_LEVEL, dict.fromkeys((11, 12, 21, 22, 30), 0))
         bus.sync_write(table.TORQUE_ENABLE, dict.fromkeys((11, 12, 21, 22, 30), 1))
         bus.ping(11)
@@ -272,7 +274,7 @@ def test_the_wrong_servos_are_refused_and_the_port_let_go(make_bench, settings, 
     actuators = TendonActuators(settings)
     with pytest.raises(error, match=complaint):
         actuators.open()
-    with DynamixelBus(settings.port) as bus:
+    with DynamixelBus(SerialPort(settings.port)) as bus:
         assert bus.ping(11)
 
 
@@ -306,16 +308,34 @@ def test_a_servo_that_is_not_on_the_bus_is_named(bench, settings):
         TendonActuators(msgspec.structs.replace(settings, stage=stage)).open()
 
 
-def test_an_unplugged_bus_can_be_opened_again(make_bench, settings):
-    bench = make_bench()
+def test_an_unplugged_port_is_plugged_in_again_and_the_servos_are_relaxed(bench, settings):
     actuators = TendonActuators(settings)
     actuators.open()
-    bench.close()
-    with pytest.raises(Exception, match="was lost"):
+    actuators.enable()
+    bench.unplug()
+    with pytest.raises(PortLostError, match="was lost"):
         actuators.read()
-    make_bench()
+    with pytest.raises(PortMissingError, match="does not exist"):
+        actuators.open()
+    bench.run(0.5)
+    bench.plug_in()
     actuators.open()
+    assert bench.torque_enabled == (False,) * 5
     assert not actuators.read().torque
+    actuators.close()
+
+
+def test_servos_that_restarted_while_nobody_looked_are_told_once(bench, settings):
+    actuators = TendonActuators(settings)
+    actuators.open()
+    actuators.close()
+    bench.restart(21)
+    bench.fail(12, 0x20)
+    bench.now_s += 1
+    with pytest.raises(RestartedError, match=r"servo \[21\] restarted by itself .*; servo 12: overload"):
+        actuators.open()
+    actuators.open()
+    assert actuators.read().hardware_error == (0, 0x20, 0, 0, 0)
     actuators.close()
 
 
