@@ -50,8 +50,8 @@ COMPILE = uv pip compile pyproject.toml --group install --universal --generate-h
 lock: | python-found ## pin the newest allowed versions of everything in requirements*.lock
 	tools=$$(mktemp -d) && trap "rm -rf $$tools" EXIT && $(PYTHON) -m venv $$tools && $$tools/bin/pip install --quiet uv && \
 	PATH=$$tools/bin:$$PATH && \
-	$(COMPILE) --upgrade --extra plots -o requirements.lock && \
-	$(COMPILE) --upgrade --extra plots --extra export --extra cluster --extra dev -c requirements.lock -o requirements-dev.lock
+	$(COMPILE) --upgrade --extra bench --extra plots -o requirements.lock && \
+	$(COMPILE) --upgrade --extra bench --extra plots --extra export --extra cluster --extra dev -c requirements.lock -o requirements-dev.lock
 
 clean: ## remove .venv and every cache; recordings in runs/ stay
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist
