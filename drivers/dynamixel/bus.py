@@ -207,11 +207,7 @@ class DynamixelBus:
                 patience_s = min(PROMPT_S, patience_s)
             heard, rubbish = self._attempt(ask(missing, attempt), missing, size, patience_s)
             answers |= heard
-            missing = [
-                servo
-                for servo in servos
-                if servo not in answers or answers[servo].error == protocol.GARBLED_INSTRUCTION
-            ]
+            missing = [servo for servo in servos if servo not in answers or _garbled(answers[servo])]
             if not missing:
                 break
         for answer in answers.values():
@@ -221,10 +217,10 @@ class DynamixelBus:
             if rubbish:
                 raise CorruptAnswerError(self.port, silent, answers, waited_s, rubbish)
             raise NoAnswerError(self.port, silent, answers, waited_s)
-        for servo, answer in answers.items():
-            if answer.error:
-                others = [other for other in answers.values() if other.id != servo]
-                raise StatusError(self.port, answer, doing, others)
+        refusals = [answer for answer in answers.values() if answer.error]
+        if refusals:
+            others = [answer for answer in answers.values() if answer is not refusals[0]]
+            raise StatusError(self.port, refusals[0], doing, others)
         return answers
 
     def _attempt(
@@ -277,6 +273,11 @@ class DynamixelBus:
         quiet_at_s = max(self._late_until_s, self._heard_s + QUIET_S)
         if (wait_s := quiet_at_s - self._line.now_s()) > 0:
             self._line.pause(wait_s)
+
+
+def _garbled(answer: StatusPacket) -> bool:
+    """Whether the question did not come through, and is worth repeating."""
+    return answer.error == protocol.GARBLED_INSTRUCTION
 
 
 def _parts_of_one(raw: bytes, servos: Sequence[int], size: int) -> dict[int, StatusPacket]:

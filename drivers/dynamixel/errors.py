@@ -55,7 +55,12 @@ class NoAnswerError(ServoError):
         rubbish: bytes = b"",
     ) -> None:
         """Name the silent servos, and what the others complain of."""
-        instead = f"; received instead: {rubbish[:24].hex(' ')}" if rubbish else ""
+        instead = (
+            f"; received instead: {rubbish[:24].hex(' ')} (noise on the line, or two servos with one id: "
+            "`nodal servos list` tells)"
+            if rubbish
+            else ""
+        )
         heard = f"; servos {sorted(answers)} answered" if answers else ""
         super().__init__(
             f"{port}: no answer from servo {_ids(silent)} within {within_s * 1e3:.0f} ms{instead}{heard}"
@@ -82,7 +87,6 @@ class CorruptAnswerError(NoAnswerError):
     ) -> None:
         """Show the beginning of what came instead."""
         super().__init__(port, silent, answers, within_s, rubbish)
-        self.add(" (noise on the line, or two servos with one id: `nodal servos list` tells)")
         self.rubbish = rubbish
 
 
