@@ -7,8 +7,7 @@ from messaging.control import Target
 from nodal.targets import circle
 
 TIP = "tip"
-HEIGHT_MM = 85.0
-CIRCLE = circle(TIP, radius_mm=15.0, period_s=10.0, height_mm=HEIGHT_MM, centre_mm=(0.0, 0.0))
+CIRCLE = circle(TIP, radius_mm=15.0, period_s=10.0, height_mm=85.0, centre_mm=(0.0, 0.0))
 STEP_FROM_MM, STEP_TO_MM = (6.0, -5.0, 86.0), (14.0, 1.0, 86.0)
 """10 mm apart, and neither on the axis."""
 REST_MM = ((8.0, -5.0, 86.0), (-12.0, 6.0, 85.0), (2.0, 14.0, 88.0))

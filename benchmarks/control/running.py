@@ -8,6 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from benchmarks.control.figures import Figures
@@ -15,13 +16,10 @@ from benchmarks.control.scenarios import SCENARIOS, Scenario, tuned
 from controller.loop import Loop
 from controller.plant import Plant
 from controller.settings import ControllerSettings
-from messaging.settings import RobotSettings
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.errors import VirtualBenchError
 from nodal.virtual.random_bench import random_bench
 
-ROBOT = RobotSettings(section_length_mm=(40.0, 40.0))
-"""What every controller is told: the nominal robot."""
 OPEN_LOOP = str(Path(__file__).with_name("open_loop.py"))
 NOT_RUN = Figures(
     rms_mm=np.inf, worst_mm=np.inf, held=1.0, violations=0, slack=0.0, unstable=False, fault="not run"
@@ -49,9 +47,10 @@ class Result:
     real_s: float
 
 
-def controlled_by(law: str) -> ControllerSettings:
-    """Nominal settings with a law by its name, or by the path of its file."""
-    return ControllerSettings(law_file=law) if law.endswith(".py") else ControllerSettings(law=law)
+def controlled_by(law: str, controller: ControllerSettings) -> ControllerSettings:
+    """The settings with a law by its name, or by the path of its file."""
+    named = {"law_file": law} if law.endswith(".py") else {"law": law}
+    return msgspec.structs.replace(controller, **named)
 
 
 def law_name(law: str) -> str:
@@ -66,17 +65,18 @@ def run(job: Job) -> list[Result]:
 
 
 def _played(job: Job, scenario: Scenario) -> Result:
-    settings = scenario.build(random_bench(job.seed))
-    controller = tuned(controlled_by(job.law), settings)
-    limits = Plant.of(controller, ROBOT).limits
+    robot = scenario.robot
+    settings = scenario.build(random_bench(job.seed, robot.bench))
+    controller = tuned(controlled_by(job.law, robot.controller), settings)
+    limits = Plant.of(controller, robot.robot).limits
     # a law that never looks cannot home
-    homing = tuned(ControllerSettings(), settings) if job.law == OPEN_LOOP else controller
+    homing = tuned(robot.controller, settings) if job.law == OPEN_LOOP else controller
     start_s = time.perf_counter()
-    bench = VirtualBench(settings, homing, ROBOT)
+    bench = VirtualBench(settings, homing, robot.robot)
     begun_s = bench.now_s
     try:
         bench.home()
-        bench.hand_over(Loop(controller, ROBOT))
+        bench.hand_over(Loop(controller, robot.robot))
         figures = scenario.play(bench, limits)
     except VirtualBenchError as error:
         figures = dataclasses.replace(NOT_RUN, fault=str(error))

@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.control.figures import Figures, stepped, tracked
 from benchmarks.control.paths import CIRCLE, REST_MM, SPLINE_S, STEP_FROM_MM, STEP_TO_MM, point, spline
+from benchmarks.control.robots import BENCH_ROBOT, OTHER_ROBOTS, Robot
 from controller.limits import Limits
 from controller.settings import ControllerSettings, SensingSettings
 from messaging.control import Target
@@ -40,6 +41,11 @@ def circled(bench: VirtualBench, limits: Limits) -> Figures:
     return tracked(followed(bench, CIRCLE, TURN_S), limits)
 
 
+def circled_by(robot: Robot) -> Play:
+    """One turn of another robot's circle."""
+    return lambda bench, limits: tracked(followed(bench, robot.circle, TURN_S), limits)
+
+
 def splined(bench: VirtualBench, limits: Limits) -> Figures:
     """Once around the spline."""
     return tracked(followed(bench, spline(), SPLINE_S), limits)
@@ -50,6 +56,7 @@ class Scenario:
     """One row of the table."""
 
     name: str
+    robot: Robot = BENCH_ROBOT
     build: Build = unchanged
     play: Play = circled
     """Begins with a bench that is homed."""
@@ -210,4 +217,8 @@ SCENARIOS = (
     Scenario(name="20 % lost", build=shape(dropped=0.2)),
     Scenario(name="noise 0.1 mm", build=shape(noise_mm=0.1)),
     Scenario(name="noise 0.2 mm", build=shape(noise_mm=0.2)),
+    *(
+        Scenario(name=robot.name, robot=robot, play=circled_by(robot), disturbance=False)
+        for robot in OTHER_ROBOTS
+    ),
 )

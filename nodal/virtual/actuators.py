@@ -33,6 +33,7 @@ from nodal.virtual.settings import ServoSettings
 Array = NDArray[np.float64]
 
 _WATCHDOG_UNIT_MS = 20
+_ROUNDING_S = 1e-9
 _CONFIGURED = "profile_velocity"
 """A register that is never 0 in a servo that the drive has set up: one that restarted has forgotten it."""
 
@@ -40,18 +41,27 @@ _CONFIGURED = "profile_velocity"
 class VirtualActuators:
     """The `Actuators` of a virtual bench."""
 
-    def __init__(self, settings: ServoSettings, servos: Sequence[Servo], mm_per_rad: Array) -> None:
-        """`mm_per_rad` (A,) is what the drive believes; the servos are those of the plant."""
+    def __init__(
+        self, settings: ServoSettings, servos: Sequence[Servo], mm_per_rad: Array, tendon_axes: int
+    ) -> None:
+        """`mm_per_rad` (A,) is what the drive believes of the plant's servos; the stage's, if any, follows the tendons'."""
         self._settings = settings
         self._servos = servos
+        self._tendon_axes = tendon_axes
         self._mm_per_tick = mm_per_rad * TICK_RAD
         self._zero_ticks: Array = np.zeros(len(servos))
-        self.now_s = 0.0
-        """Virtual time, set by the bench before each cycle."""
+        self._now_s = 0.0
+        self._busy_until_s = 0.0
+        self._relax_at_s = math.inf
         self.silent: set[int] = set()
         """Axes whose servos answer nothing and hear nothing."""
-        self.waited_s = 0.0
-        """How long the drive has waited in vain for answers since the bench last looked."""
+
+    def pass_time(self, now_s: float) -> bool:
+        """It is `now_s` now; the bench says so in every cycle. False while the drive still waits in vain for an answer."""
+        self._now_s = now_s
+        if now_s >= self._relax_at_s - _ROUNDING_S:
+            self._relax()
+        return now_s >= self._busy_until_s - _ROUNDING_S
 
     def open(self) -> None:
         """Relax and set up every servo; raises ActuatorError for one that is silent."""
@@ -91,10 +101,10 @@ class VirtualActuators:
         position_mm = (self._read("present_position") - self._zero_ticks) * self._mm_per_tick
         speed_mm_s = self._read("present_velocity") * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
         return ActuatorState(
-            displacement_mm=position_mm[:-1],
-            displacement_mm_s=speed_mm_s[:-1],
-            insertion_mm=float(position_mm[-1]),
-            insertion_mm_s=float(speed_mm_s[-1]),
+            displacement_mm=position_mm[: self._tendon_axes],
+            displacement_mm_s=speed_mm_s[: self._tendon_axes],
+            insertion_mm=float(position_mm[self._tendon_axes :].sum()),
+            insertion_mm_s=float(speed_mm_s[self._tendon_axes :].sum()),
             current_ma=self._read("present_current") * CURRENT_UNIT_A * 1e3,
             temperature_c=self._read("present_temperature"),
             voltage_v=self._read("present_input_voltage") / 10,
@@ -103,12 +113,8 @@ class VirtualActuators:
         )
 
     def write(self, displacement_mm: Array, insertion_mm: float) -> None:
-        """Set the goals; nobody acknowledges them. Raises CommandRefusedError."""
-        goal_mm = np.append(displacement_mm, insertion_mm)
-        if goal_mm.shape != self._zero_ticks.shape or not np.isfinite(goal_mm).all():
-            raise CommandRefusedError(
-                f"goals {goal_mm.tolist()} mm must be {len(self._zero_ticks)} finite numbers"
-            )
+        """Set the goals, which nobody acknowledges; raises CommandRefusedError."""
+        goal_mm = self._positions_mm(displacement_mm, insertion_mm)
         ticks = np.round(self._zero_ticks + goal_mm / self._mm_per_tick).astype(int).tolist()
         self._speak()
         for servo, goal in zip(self._hearing(), [ticks[axis] for axis in self._answering()], strict=True):
@@ -116,8 +122,8 @@ class VirtualActuators:
                 servo.memory["goal_position"] = goal
 
     def set_zero(self, displacement_mm: Array, insertion_mm: float) -> None:
-        """Call the present position `displacement_mm` (D,) and `insertion_mm`."""
-        position_mm = np.append(displacement_mm, insertion_mm)
+        """Call the present position `displacement_mm` (D,) and `insertion_mm`; raises CommandRefusedError."""
+        position_mm = self._positions_mm(displacement_mm, insertion_mm)
         self._zero_ticks = self._read("present_position") - position_mm / self._mm_per_tick
 
     def enable(self) -> None:
@@ -132,12 +138,29 @@ class VirtualActuators:
             servo.memory["bus_watchdog"] = units
 
     def disable(self) -> None:
-        """Torque and watchdog off; raises ActuatorError for servos that do not confirm."""
+        """Torque and watchdog off, once the drive waits no more; raises ActuatorError for servos that do not confirm."""
+        self._relax_at_s = max(self._now_s, self._busy_until_s)
+        if self._relax_at_s == self._now_s:
+            self._relax()
+        self._read("torque_enable")
+
+    def _relax(self) -> None:
+        self._relax_at_s = math.inf
         self._speak()
         for servo in self._hearing():
             self._set_torque(servo, 0)
             servo.memory["bus_watchdog"] = 0
-        self._read("torque_enable")
+
+    def _positions_mm(self, displacement_mm: Array, insertion_mm: float) -> Array:
+        stage = len(self._servos) > self._tendon_axes
+        position_mm = np.append(displacement_mm, insertion_mm)
+        if np.shape(displacement_mm) != (self._tendon_axes,) or not np.isfinite(position_mm).all():
+            raise CommandRefusedError(
+                f"{position_mm.tolist()} mm refused: {self._tendon_axes} displacements and an insertion must be finite"
+            )
+        if not stage and insertion_mm:
+            raise CommandRefusedError(f"insertion {insertion_mm} mm must be 0: there is no stage")
+        return position_mm[: len(self._servos)]
 
     def _set_torque(self, servo: Servo, torque: int) -> None:
         if torque and servo.memory["hardware_error_status"] & servo.memory["shutdown"]:
@@ -148,13 +171,13 @@ class VirtualActuators:
 
     def _speak(self) -> None:
         for servo in self._hearing():
-            servo.hear(self.now_s)
+            servo.hear(self._now_s)
 
     def _answering(self) -> list[int]:
         return [
             axis
             for axis, servo in enumerate(self._servos)
-            if axis not in self.silent and servo.is_awake(self.now_s)
+            if axis not in self.silent and servo.is_awake(self._now_s)
         ]
 
     def _hearing(self) -> list[Servo]:
@@ -164,6 +187,6 @@ class VirtualActuators:
         answering = self._answering()
         if len(answering) < len(self._servos):
             missing = sorted(set(range(len(self._servos))) - set(answering))
-            self.waited_s += self._settings.unanswered_s
+            self._busy_until_s = max(self._now_s, self._busy_until_s) + self._settings.unanswered_s
             raise ActuatorError(f"no answer from servo {', '.join(str(self._servos[a].id) for a in missing)}")
         return np.array([servo.memory[register] for servo in self._servos], dtype=np.float64)

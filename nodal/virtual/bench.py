@@ -50,7 +50,9 @@ class VirtualBench:
         """`loop` is the controller's own unless given. Raises RobotBuildError, ControllerSetupError."""
         self.settings = settings
         self.plant = Plant(settings)
-        self.actuators = VirtualActuators(settings.servos, self.plant.servos, self.plant.nominal_mm_per_rad)
+        self.actuators = VirtualActuators(
+            settings.servos, self.plant.servos, self.plant.nominal_mm_per_rad, self.plant.tendon_axes
+        )
         self.seeing = Seeing(
             settings.shape,
             sum(section.length_mm for section in settings.robot.sections),
@@ -82,9 +84,13 @@ class VirtualBench:
         """From now on `loop` controls the bench, with the memory of the one before."""
         self._loop = loop
 
+    def ask(self, *requests: Request) -> None:
+        """What the next cycle is to be asked; the answer is among the replies of the next run."""
+        self._asked += requests
+
     def run(self, duration_s: float, *requests: Request) -> tuple[Samples, tuple[Reply, ...]]:
         """Go on for `duration_s`, rounded up to whole steps of the robot; `requests` come in the first cycle."""
-        self._asked += requests
+        self.ask(*requests)
         self._replies = ()
         steps = max(1, math.ceil(duration_s / (self._cycles_per_step * self._period_s) - 1e-9))
         return Samples.joined([self._step() for _ in range(steps)]), self._replies
@@ -127,11 +133,10 @@ class VirtualBench:
 
     def _act(self) -> Array | None:
         """One cycle of the controller, or none while it waits for its drive; the command (A,) that it gave."""
-        if self.actuators.waited_s > 0:
-            self.actuators.waited_s = max(self.actuators.waited_s - self._period_s, 0.0)
+        now_s = self.now_s
+        if not self.actuators.pass_time(now_s):
             self._missed += 1
             return None
-        self.actuators.now_s = now_s = self.now_s
         drive = self._drive.read(now_s)
         inputs = Inputs(
             now_s=now_s,

@@ -1,11 +1,11 @@
 """Errors of the virtual bench.
 
 NodalError
-`-- VirtualBenchError      the bench did not get where it had to be before a run can begin
+`-- VirtualBenchError      settings that describe no bench, or a bench that is not where a run can begin
 """
 
 from messaging.errors import NodalError
 
 
 class VirtualBenchError(NodalError):
-    """The virtual bench is not where it had to be."""
+    """The virtual bench cannot be built, or is not where it had to be."""

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from drivers.simulated.robot.robot import RobotState, SimulatedRobot
 from drivers.simulated.servos.servo import Servo
 from drivers.simulated.servos.settings import EmulatedServosSettings
+from nodal.virtual.errors import VirtualBenchError
 from nodal.virtual.settings import VirtualBenchSettings
 
 Array = NDArray[np.float64]
@@ -14,22 +15,22 @@ _M_PER_MM = 1e-3
 
 
 class Plant:
-    """Axes are numbered tendons (or pairs) first, the stage last. The robot stands straight and the stage at zero at first."""
+    """Axes are numbered tendons (or pairs) first, and last the stage if there is one; all are at zero at first."""
 
     def __init__(self, settings: VirtualBenchSettings) -> None:
-        """Raises RobotBuildError, and ValueError when there is not one gain for each axis."""
+        """Raises RobotBuildError, and VirtualBenchError when there is not one gain for each axis."""
         self.robot = SimulatedRobot(settings.robot)
-        self.axes = self.robot.servos + 1
+        self.tendon_axes = self.robot.servos
+        self.axes = self.tendon_axes + settings.stage
         bus = EmulatedServosSettings(
             link="virtual", ids=tuple(range(1, self.axes + 1)), motor=settings.servos.motor
         )
         self.servos = [Servo(bus, servo_id) for servo_id in bus.ids]
-        self.nominal_mm_per_rad = np.append(
-            np.full(self.robot.servos, settings.servos.tendon_mm_per_rad), settings.servos.stage_mm_per_rad
-        )
+        tendon_mm, stage_mm = settings.servos.tendon_mm_per_rad, settings.servos.stage_mm_per_rad
+        self.nominal_mm_per_rad = np.array([tendon_mm] * self.tendon_axes + [stage_mm] * settings.stage)
         gain = np.array(settings.servos.gain or (1.0,) * self.axes)
         if gain.shape != (self.axes,):
-            raise ValueError(f"gain {gain.tolist()}: one is needed for each of {self.axes} axes")
+            raise VirtualBenchError(f"gain {gain.tolist()}: one is needed for each of the {self.axes} axes")
         self.mm_per_rad = self.nominal_mm_per_rad * gain
         self.jammed: set[int] = set()
         """Axes that do not turn, whatever drives them."""
@@ -51,6 +52,7 @@ class Plant:
     def follow(self, dt_s: float) -> RobotState:
         """Let the robot follow what the servos have turned in the last `dt_s`."""
         moved_mm = self.mm_per_rad * [servo.motor.position_rad for servo in self.servos]
-        state = self.robot.step(moved_mm[:-1], float(moved_mm[-1]), dt_s)
-        self._load_Nm[:-1] = state.servo_load_N * self.mm_per_rad[:-1] * _M_PER_MM
+        tendons = slice(self.tendon_axes)
+        state = self.robot.step(moved_mm[tendons], float(moved_mm[self.tendon_axes :].sum()), dt_s)
+        self._load_Nm[tendons] = state.servo_load_N * self.mm_per_rad[tendons] * _M_PER_MM
         return state

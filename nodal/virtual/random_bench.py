@@ -18,7 +18,7 @@ def random_bench(seed: int, nominal: VirtualBenchSettings | None = None) -> Virt
         return float(random.uniform(low, high))
 
     sections = tuple(_section(section, random) for section in nominal.robot.sections)
-    servos = sum(len(s.tendon_angles_deg) for s in sections) // 2
+    servos = sum(len(s.tendon_angles_deg) for s in sections) // nominal.robot.tendons_per_servo
     return replace(
         nominal,
         robot=replace(
@@ -33,7 +33,10 @@ def random_bench(seed: int, nominal: VirtualBenchSettings | None = None) -> Virt
         ),
         servos=replace(
             nominal.servos,
-            gain=(*(between(0.9, 1.1) for _ in range(servos)), between(0.99, 1.01)),
+            gain=(
+                *(between(0.9, 1.1) for _ in range(servos)),
+                *(between(0.99, 1.01) for _ in range(nominal.stage)),
+            ),
             profile_velocity_rad_s=between(3.0, 4.8),
             profile_acceleration_rad_s2=between(60.0, 150.0),
             motor=replace(nominal.servos.motor, friction_Nm=between(0.05, 0.12)),

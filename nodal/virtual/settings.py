@@ -34,7 +34,7 @@ class ServoSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     tendon_mm_per_rad: Positive = 5.0
     stage_mm_per_rad: Positive = 2.0
     gain: tuple[Positive, ...] = ()
-    """True motion of each axis per motion that is asked for, tendons first; empty means 1 for all."""
+    """True motion of each axis per motion that is asked for, tendons (or pairs) first; empty means 1 for all."""
     maximum_current_ma: Positive = 1000.0
     profile_velocity_rad_s: Positive = 4.0
     profile_acceleration_rad_s2: Positive = 100.0
@@ -48,6 +48,8 @@ class VirtualBenchSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
     """One bench. The controller that runs on it is told none of this."""
 
     robot: SimulatedRobotSettings = SimulatedRobotSettings(centreline_points=41)
+    stage: bool = True
+    """Whether the robot stands on a linear stage; then its servo is the last."""
     servos: ServoSettings = ServoSettings()
     shape: ShapeSettings = ShapeSettings()
     robot_step_s: Annotated[float, msgspec.Meta(gt=0, le=0.025)] = 0.015
