@@ -10,9 +10,9 @@ os.environ.setdefault(
     "OPENBLAS_NUM_THREADS", "1"
 )  # before numpy comes: small matrices, and a process for each core
 
-from benchmarks.control.running import OPEN_LOOP, Job, Result, law_name, run_all
+from benchmarks.control.running import OPEN_LOOP, Job, law_name, run_all
 from benchmarks.control.scenarios import SCENARIOS
-from benchmarks.control.table import HEAD, LEGEND, rows, yardsticks
+from benchmarks.control.table import HEAD, LEGEND, hardness, rows, yardsticks
 from controller.laws import law_names
 
 BENCHES, QUICK_BENCHES = 12, 3
@@ -22,18 +22,20 @@ def main(words: Sequence[str] | None = None) -> int:
     """Measure and print; `words` are those of the command line unless given."""
     arguments = _arguments(words)
     laws = (*arguments.laws, OPEN_LOOP)
-    seeds = range(arguments.seed, arguments.seed + arguments.benches)
+    chosen = [scenario for scenario in SCENARIOS if scenario.name in arguments.scenarios]
     jobs = [
-        Job(seed=seed, law=law, scenarios=(scenario,))
-        for seed in seeds
-        for scenario in arguments.scenarios
+        Job(seed=seed, law=law, scenario=scenario.name)
+        for seed in range(arguments.seed, arguments.seed + arguments.benches)
+        for scenario in chosen
         for law in laws
+        if not (law == OPEN_LOOP and scenario.sensing_only)
     ]
     start_s = time.perf_counter()
-    results: list[Result] = [result for found in run_all(jobs, arguments.jobs) for result in found]
+    results = list(run_all(jobs, arguments.jobs))
     names = [law_name(law) for law in laws]
     print(f"{arguments.benches} benches from seed {arguments.seed}", HEAD, sep="\n")
     print(*rows(results, names), LEGEND, "", sep="\n")
+    print(*hardness(results, names[-1]), sep="\n")
     for law in names[:-1]:
         print(*yardsticks(results, law, names[-1]), sep="\n")
     for result in results:

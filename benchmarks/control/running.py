@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.control.figures import Figures
-from benchmarks.control.scenarios import SCENARIOS, Scenario, tuned
+from benchmarks.control.scenarios import SCENARIOS, tuned
 from controller.loop import Loop
 from controller.plant import Plant
 from controller.settings import ControllerSettings
@@ -28,16 +28,16 @@ NOT_RUN = Figures(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Job:
-    """A law on one bench through some scenarios."""
+    """A law on one bench in one scenario."""
 
     seed: int
     law: str
-    scenarios: tuple[str, ...]
+    scenario: str
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Result:
-    """What came of one scenario of a job."""
+    """What came of a job."""
 
     seed: int
     law: str
@@ -58,13 +58,10 @@ def law_name(law: str) -> str:
     return Path(law).stem
 
 
-def run(job: Job) -> list[Result]:
-    """Every scenario of a job; benches that differ only in what happens later are homed once."""
+def run(job: Job) -> Result:
+    """Build the bench, home, and play the scenario; a bench that does not get that far is a fault of that run."""
     logging.getLogger("controller").setLevel(logging.ERROR)
-    return [_played(job, scenario) for scenario in SCENARIOS if scenario.name in job.scenarios]
-
-
-def _played(job: Job, scenario: Scenario) -> Result:
+    scenario = next(scenario for scenario in SCENARIOS if scenario.name == job.scenario)
     robot = scenario.robot
     settings = scenario.build(random_bench(job.seed, robot.bench))
     controller = tuned(controlled_by(job.law, robot.controller), settings)
@@ -90,8 +87,8 @@ def _played(job: Job, scenario: Scenario) -> Result:
     )
 
 
-def run_all(jobs: Sequence[Job], processes: int) -> Iterator[list[Result]]:
-    """Results job by job, as they come."""
+def run_all(jobs: Sequence[Job], processes: int) -> Iterator[Result]:
+    """Results in the order of the jobs."""
     if processes == 1:
         yield from map(run, jobs)
         return

@@ -62,6 +62,8 @@ class Scenario:
     """Begins with a bench that is homed."""
     disturbance: bool = True
     """Whether it counts as one of the disturbances on the circle."""
+    sensing_only: bool = False
+    """Whether only the shapes come otherwise, so that it is nothing new to open loop."""
 
 
 def tuned(controller: ControllerSettings, bench: VirtualBenchSettings) -> ControllerSettings:
@@ -207,16 +209,16 @@ SCENARIOS = (
     ),
     Scenario(name="gains +30 %", build=gain(1.3)),
     Scenario(name="gains -30 %", build=gain(0.7)),
-    Scenario(name="delay 0 ms", build=shape(delay_s=0.0, jitter_s=0.0)),
-    Scenario(name="delay 50 ms", build=shape(delay_s=0.05)),
-    Scenario(name="delay 100 ms", build=shape(delay_s=0.1)),
-    Scenario(name="delay 150 ms", build=shape(delay_s=0.15)),
-    Scenario(name="vision 10 Hz", build=shape(rate_hz=10.0)),
-    Scenario(name="vision 20 Hz", build=shape(rate_hz=20.0)),
-    Scenario(name="vision 60 Hz", build=shape(rate_hz=60.0)),
-    Scenario(name="20 % lost", build=shape(dropped=0.2)),
-    Scenario(name="noise 0.1 mm", build=shape(noise_mm=0.1)),
-    Scenario(name="noise 0.2 mm", build=shape(noise_mm=0.2)),
+    Scenario(name="delay 0 ms", build=shape(delay_s=0.0, jitter_s=0.0), sensing_only=True),
+    Scenario(name="delay 50 ms", build=shape(delay_s=0.05), sensing_only=True),
+    Scenario(name="delay 100 ms", build=shape(delay_s=0.1), sensing_only=True),
+    Scenario(name="delay 150 ms", build=shape(delay_s=0.15), sensing_only=True),
+    Scenario(name="vision 10 Hz", build=shape(rate_hz=10.0), sensing_only=True),
+    Scenario(name="vision 20 Hz", build=shape(rate_hz=20.0), sensing_only=True),
+    Scenario(name="vision 60 Hz", build=shape(rate_hz=60.0), sensing_only=True),
+    Scenario(name="20 % lost", build=shape(dropped=0.2), sensing_only=True),
+    Scenario(name="noise 0.1 mm", build=shape(noise_mm=0.1), sensing_only=True),
+    Scenario(name="noise 0.2 mm", build=shape(noise_mm=0.2), sensing_only=True),
     *(
         Scenario(name=robot.name, robot=robot, play=circled_by(robot), disturbance=False)
         for robot in OTHER_ROBOTS

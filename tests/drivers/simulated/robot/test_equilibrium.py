@@ -1,5 +1,7 @@
 """Forces are derivatives of energy, and tendon lengths are distances between holes."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
@@ -16,7 +18,10 @@ SIZE = 60
 
 @pytest.fixture
 def mechanics():
+    """The bench robot, pushed on every disk from everywhere."""
     backbone = build_backbone(SETTINGS)
+    pushes_N = np.random.default_rng(4).normal(size=backbone.disk_force_N.shape) * 0.1
+    backbone = replace(backbone, disk_force_N=backbone.disk_force_N + pushes_N)
     return Mechanics(backbone, route_tendons(SETTINGS, backbone))
 
 
