@@ -5,6 +5,7 @@ shapes let the receiver give arrays their form back, so a payload that does not 
 """
 
 import dataclasses
+import math
 from enum import StrEnum
 from typing import Any, ClassVar, Self
 
@@ -59,7 +60,7 @@ class Message(Checked):
     @classmethod
     def _solve_shape(cls, name: str, count: int, shape: Shape, sizes: dict[str, int]) -> tuple[int, ...]:
         known = [size if isinstance(size, int) else sizes.get(size) for size in shape]
-        product = int(np.prod([size for size in known if size is not None]))
+        product = math.prod(size for size in known if size is not None)
         unknown = [word for word, size in zip(shape, known, strict=True) if size is None]
         if len(unknown) == 1 and product and count % product == 0:
             sizes[str(unknown[0])] = count // product

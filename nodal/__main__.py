@@ -20,10 +20,23 @@ COMMANDS = {
     "simulate": "run the simulated bench: cameras, servos and robot",
     "sense": "run shape sensing",
     "control": "run the controller",
+    "servos": "list, identify, set up and check the servos on a bus",
     "record": "run the recorder, or ask one that runs: start, stop, save, status",
     "report": "one page on a recording, or on several side by side",
     "log": "look into recordings, check, recover, cut, export and plot them",
 }
+
+BENCH_MODULES = {
+    "cv2",
+    "foxglove_schemas_protobuf",
+    "lz4",
+    "mcap",
+    "mcap_protobuf",
+    "rich",
+    "scipy",
+    "zenoh",
+}
+"""What the extra `bench` brings; a base install embeds the controller and lacks them."""
 
 ERROR, INTERRUPTED = 2, 130
 
@@ -32,11 +45,19 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run one subcommand; returns the exit status: 0 done, 2 an error, 3 refused, 130 interrupted."""
     words = sys.argv[1:] if words is None else words
     pin()
-    arguments = _parser(words).parse_args(words)
     try:
+        arguments = _parser(words).parse_args(words)
         status: int = arguments.run(arguments)
     except NodalError as error:
         print(f"nodal: error: {error}", file=sys.stderr)
+        return ERROR
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] not in BENCH_MODULES:
+            raise
+        print(
+            f"nodal: error: there is no {error.name} here: nodal {words[0]} needs the bench extra: pip install 'nodal[bench]'",
+            file=sys.stderr,
+        )
         return ERROR
     except KeyboardInterrupt:
         return INTERRUPTED

@@ -1,25 +1,38 @@
 """One question from the command line to a process of the bench."""
 
 import sys
+from collections.abc import Callable
 
 from messaging.control import Reply
 from messaging.message import Message
-from messaging.session import open_session
+from messaging.session import Session, open_session
 from messaging.topics import Service
 from nodal.bench_file import load_bench
 
 REFUSED = 3
 
 
-def ask(config: str, service: Service, request: Message, timeout_s: float) -> int:
-    """Ask, say the answer, and return the exit status: 0 accepted, 3 refused. Raises UnansweredError."""
+def ask(
+    config: str,
+    service: Service,
+    request: Message,
+    timeout_s: float,
+    and_tell: Callable[[Session, Reply], str] = lambda *_: "",
+) -> int:
+    """Ask, say the answer, and return the exit status: 0 accepted, 3 refused. Raises UnansweredError.
+
+    `and_tell` may find out more that is to be said on a line of its own.
+    """
     settings = load_bench(config).settings
     with open_session(settings.zenoh, settings.name, "operator") as session:
         reply = session.ask(service, request, timeout_s)
-    if not isinstance(reply, Reply):
-        raise TypeError(f"{service.key} answers with {type(reply).__name__}, not with a Reply")
+        if not isinstance(reply, Reply):
+            raise TypeError(f"{service.key} answers with {type(reply).__name__}, not with a Reply")
+        more = and_tell(session, reply)
     if not reply.accepted:
         print(f"nodal: refused: {reply.reason} (state: {reply.state})", file=sys.stderr)
         return REFUSED
     print(f"{reply.state}: {reply.reason}" if reply.reason else reply.state)
+    if more:
+        print(more)
     return 0

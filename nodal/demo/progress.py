@@ -77,8 +77,10 @@ class Progress:
         else:
             facts["controller"] = (
                 f"{controller.state}, {self._telemetry.control_rate_hz:.0f} Hz, "
-                f"{1e3 * controller.lateness_s:.1f} ms late"
+                f"{1e3 * controller.lateness_s:.1f} ms late, {controller.overruns} cycles missed"
             )
+            if words := self._telemetry.timeliness.words:
+                facts["latency"] = words
             if controller.target_name and np.isfinite(controller.tracking_error_mm):
                 facts["tracking"] = f"{controller.target_name}, {controller.tracking_error_mm:.2f} mm off"
             if controller.reason:

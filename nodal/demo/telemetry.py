@@ -7,6 +7,7 @@ from messaging import topics
 from messaging.control import ControllerState, State
 from messaging.session import Newest, Received, Session
 from messaging.shape import ShapeEstimate
+from nodal.timeliness import Timeliness
 
 RATE_WINDOW_S = 2.0
 SILENT_AFTER_S = 1.0
@@ -18,11 +19,13 @@ class Telemetry:
     def __init__(self, session: Session) -> None:
         self._shapes = _Heard(session.newest(topics.SHAPE))
         self._states = _Heard(session.newest(topics.CONTROLLER_STATE))
+        self.timeliness = Timeliness(session)
 
     def take(self) -> None:
         """Hear what is new; never waits."""
         self._shapes.take()
         self._states.take()
+        self.timeliness.take()
 
     @property
     def shape(self) -> ShapeEstimate | None:

@@ -160,11 +160,39 @@ def test_homes_arms_tracks_and_leaves_tendons_safe(bench, stand_ins):
     # the first command after each shape tells the age of its frames, which were 20 ms old when published
     assert len({command.shape_sequence for command in first_ones}) == len(first_ones) >= 5
     assert min(command.capture_to_command_ns for command in first_ones) >= 20_000_000
+    assert_a_stall_makes_no_jump(bench, process)
     process.send_signal(signal.SIGTERM)
     out, err = process.communicate(timeout=10)
     assert process.returncode == 0, err
     assert json.loads(out)["healthy"] > 100
     assert not any(bench.servos.torque_enabled)
+
+
+def assert_a_stall_makes_no_jump(bench, process):
+    """The process stands still for ten of its cycles, while the target moves on."""
+    settings, cycles = ControllerSettings(), bench.session.every(topics.CONTROLLER_STATE, 4096)
+    before = decoded(wait_for(cycles.take, "a cycle"))
+    while bench.commands.take() is not None:
+        pass
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(0.05)
+    process.send_signal(signal.SIGCONT)
+    counted = wait_for(
+        lambda: (now := bench.state()).overruns >= before.overruns + 5 and now,
+        "missed cycles that are counted",
+    )
+    commands = [decoded(wait_for(bench.commands.take, "a command")).displacement_mm for _ in range(20)]
+    longest_s = max(decoded(cycle).dt_s for cycle in iter(cycles.take, None))
+    assert counted.state == "tracking"
+    assert longest_s == pytest.approx(4 / settings.rate_hz), "never more than four periods are made up for"
+    assert np.abs(np.diff(commands, axis=0)).max() <= settings.limits.displacement_mm_s * longest_s
+
+
+def decoded(received):
+    """The message that was received."""
+    return next(topic for topic in topics.TOPICS if topic.key == received.key).type.from_bytes(
+        received.payload
+    )
 
 
 def test_stop_holds_and_faults_reach_the_servos(bench):
