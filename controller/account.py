@@ -58,13 +58,14 @@ def _tendon_command(
     """The command that was written. Only the first one after a shape arrived tells how old its frames were."""
     if outputs.command_mm is None:
         return None
+    displacement_mm, insertion_mm = outputs.split(outputs.command_mm)
     age_ns = REPEATED
     if fresh and state.seen is not None:
         age_ns = round((timing.written_s - state.seen.capture_s) * 1e9)
     return TendonCommand(
         time_ns=timing.time_ns,
-        displacement_mm=outputs.command_mm[:-1],
-        insertion_mm=float(outputs.command_mm[-1]),
+        displacement_mm=displacement_mm,
+        insertion_mm=insertion_mm,
         shape_sequence=NO_SHAPE_YET if state.seen is None else state.seen.shape.sequence,
         capture_to_command_ns=age_ns,
     )
@@ -117,5 +118,10 @@ def _controller_state(
         sighted_capture_ns=0 if sighting is None else sighting.shape.capture_time_ns,
         sighted_age_s=0.0 if sighting is None else sighting.age_s,
         drive_absence=inputs.absence,
+        drive_fault=inputs.absence_fault,
         commanded=commanded,
+        progress=state.progress,
+        paused=state.paused,
+        heartbeat=inputs.heartbeat,
+        **state.supervision.told,
     )

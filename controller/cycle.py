@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from controller.homing import Search
 from controller.supervisor import Mode, Supervision
 from controller.task import Seen, Task
 from controller.watch import Trouble
@@ -41,13 +42,19 @@ class Inputs:
     drive: ActuatorState | None
     absence: str
     """Why `drive` is missing."""
+    absence_fault: str = ""
+    """Code of the fault that its absence is while torque should be on."""
     requests: tuple[Request, ...] = ()
+    heartbeat: bool = False
+    """An operator's heartbeat was heard since the last cycle."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Outputs:
     """What the drive is to do, in the order of the fields, and what is to be said."""
 
+    tendons: int
+    """How many of the axes are tendons; the stage, if there is one, comes behind them."""
     release: bool
     """Let all tendons go."""
     engage: bool
@@ -62,6 +69,19 @@ class Outputs:
     reason: str
     """Why the mode is what it is, or how the command was cut short."""
 
+    def split(self, axes_mm: Array) -> tuple[Array, float]:
+        """Displacements (D,), and the insertion, which is 0 of a robot without a stage."""
+        return axes_mm[: self.tendons], float(axes_mm[self.tendons :].sum())
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Jog:
+    """One axis on its way to where the operator wants it, at `goal_mm`."""
+
+    axis: int
+    goal_mm: float
+    words: str
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class LoopState:
@@ -70,13 +90,27 @@ class LoopState:
     supervision: Supervision
     command_mm: Array
     trouble: Trouble
+    lost_motion_mm: Array
+    """(A,) as the last homing found it; NaN where it did not look."""
+    stepped_s: float = np.inf
+    """When this cycle was; infinity before the first."""
+    heartbeat_s: float = -np.inf
+    """When an operator's heartbeat was heard last."""
     seen: Seen | None = None
     distrusted: str = "none has come"
     target: Target | None = None
     joined_s: float = 0.0
     """Where on the target's path to go on."""
     task: Task | None = None
+    paused: bool = False
+    progress: float = 0.0
+    """Share of the target that was done when it was followed last."""
+    search: Search | None = None
+    """The first part of homing."""
+    straightening_since_s: float = np.inf
+    """Since when the second part leads the robot straight."""
     straight_since_s: float = np.inf
+    jog: Jog | None = None
 
     def to_bytes(self) -> bytes:
         """The snapshot of this state; raises CodecError when a law remembers what a snapshot cannot keep."""

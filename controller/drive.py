@@ -2,7 +2,10 @@
 
 import logging
 
+from controller import faults
 from controller.cycle import Outputs
+from controller.errors import FaultError
+from drivers import actuators as drivers
 from drivers.actuators import ActuatorError, Actuators, ActuatorState
 
 logger = logging.getLogger(__name__)
@@ -20,6 +23,8 @@ class Drive:
         self._retry_at_s = 0.0
         self.absence = "the tendon drive was not opened yet"
         """Why there is no reading; empty when there is one."""
+        self.absence_fault = faults.DriveLostError.code
+        """Code of the fault that this is while torque should be on."""
 
     def read(self, now_s: float) -> ActuatorState | None:
         """The drive's state, or None and `absence` says why."""
@@ -35,7 +40,7 @@ class Drive:
         except ActuatorError as error:
             self._lose(error, now_s)
             return None
-        self.absence = ""
+        self.absence = self.absence_fault = ""
         return state
 
     def act(self, outputs: Outputs, now_s: float) -> bool:
@@ -48,10 +53,10 @@ class Drive:
             if outputs.engage:
                 self._actuators.enable()
             if outputs.zero_mm is not None:
-                self._actuators.set_zero(outputs.zero_mm[:-1], float(outputs.zero_mm[-1]))
+                self._actuators.set_zero(*outputs.split(outputs.zero_mm))
             if outputs.command_mm is None:
                 return False
-            self._actuators.write(outputs.command_mm[:-1], float(outputs.command_mm[-1]))
+            self._actuators.write(*outputs.split(outputs.command_mm))
         except ActuatorError as error:
             self._lose(error, now_s)
             return False
@@ -69,6 +74,18 @@ class Drive:
         if str(error) != self.absence:
             logger.warning("tendon drive lost: %s", error)
         self.absence = str(error)
+        self.absence_fault = _fault_of(error).code
         self._retry_at_s = now_s + _RETRY_S
         if self._open:
             self.close()
+
+
+def _fault_of(error: ActuatorError) -> type[FaultError]:
+    return next((fault for kind, fault in _FAULTS.items() if isinstance(error, kind)), faults.DriveLostError)
+
+
+_FAULTS: dict[type[ActuatorError], type[FaultError]] = {
+    drivers.WatchdogExpiredError: faults.WatchdogExpiredError,
+    drivers.ServoRestartedError: faults.ServoRestartedError,
+    drivers.ServoAlarmError: faults.ServoAlarmError,
+}

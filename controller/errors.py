@@ -7,18 +7,14 @@ NodalError
     |-- TargetError               a target that is refused; nothing moves because of it
     |   |-- UnknownNodeError      it names a nodal point that sensing does not report
     |   |-- UnreachableError      a point lies where the robot cannot bring it
-    |   `-- TooFastError          it moves or jumps faster than nodal points may
+    |   |-- TooFastError          it moves or jumps faster than nodal points or axes may
+    |   |-- TooCloseError         it leads the robot into a forbidden region, or too near to one
+    |   `-- NoWayError            no way to it was found that keeps clear of regions and within travels
     |-- CommandNotFiniteError     a command that no actuator may see
-    `-- FaultError                what puts the controller into `fault`
-        |-- DriveLostError        no tendon drive, or it stopped answering
-        |-- TorqueLostError       a servo let go by itself
-        |-- ServoAlarmError       a servo reports hardware error bits
-        |-- ExcessCurrentError    a servo drew too much current for too long
-        |-- TravelError           an axis stands, or was asked to stay, beyond its travel
-        |-- SensingLostError      no trusted shape for longer than a hold may last
-        |-- HomingTimeoutError    the robot did not become straight in time
-        `-- LawFailedError        the law's command was refused by the limits
+    `-- FaultError                what puts the controller into `fault`; controller/faults.py holds one class for each
 """
+
+from typing import ClassVar
 
 from messaging.errors import NodalError
 
@@ -48,7 +44,15 @@ class UnreachableError(TargetError):
 
 
 class TooFastError(TargetError):
-    """A target moves faster than `maximum_node_speed_mm_s`."""
+    """A target moves faster than `maximum_node_speed_mm_s`, or asks more of an axis than its rate."""
+
+
+class TooCloseError(TargetError):
+    """A target, or the straight way to it, leads the robot nearer to a forbidden region than `keep_clear_mm`."""
+
+
+class NoWayError(TargetError):
+    """Planning found no way to a target."""
 
 
 class CommandNotFiniteError(ControllerError):
@@ -56,36 +60,15 @@ class CommandNotFiniteError(ControllerError):
 
 
 class FaultError(ControllerError):
-    """The reason of a fault; its text names the value and what is allowed."""
+    """The reason of a fault; its text names the value and what is allowed, and where both are numbers they are here too.
 
+    `code` is what programs know it by, `advice` what the operator can do.
+    """
 
-class DriveLostError(FaultError):
-    """The tendon drive does not answer."""
+    code: ClassVar[str]
+    advice: ClassVar[str]
 
-
-class TorqueLostError(FaultError):
-    """A servo no longer holds its position, though it should."""
-
-
-class ServoAlarmError(FaultError):
-    """A servo's hardware error bits are set."""
-
-
-class ExcessCurrentError(FaultError):
-    """A servo's current was above the limit for longer than allowed."""
-
-
-class TravelError(FaultError):
-    """An axis is beyond its travel."""
-
-
-class SensingLostError(FaultError):
-    """Shapes stayed stale, flagged or refused for too long."""
-
-
-class HomingTimeoutError(FaultError):
-    """Homing did not end in time."""
-
-
-class LawFailedError(FaultError):
-    """The law produced a command that cannot be used."""
+    def __init__(self, text: str, *, value: float = 0.0, limit: float = 0.0, unit: str = "") -> None:
+        """Without a unit there is neither value nor limit."""
+        super().__init__(text)
+        self.value, self.limit, self.unit = float(value), float(limit), unit

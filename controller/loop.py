@@ -4,22 +4,32 @@ A cycle looks (shape, drive), judges (faults, requests), and then moves as its m
 """
 
 import dataclasses
-from typing import TypeGuard
 
 import numpy as np
 
 from controller import task as tasks
-from controller.cycle import Inputs, LoopState, Outputs, Request
-from controller.errors import CommandNotFiniteError, LawFailedError, TargetError
-from controller.motion import Motion
+from controller.cycle import Inputs, Jog, LoopState, Outputs
+from controller.errors import FaultError
+from controller.motion import Motion, Moved
+from controller.orders import Orders, is_order
 from controller.plant import Plant
-from controller.reachability import check_target
 from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
 from controller.task import Seen
-from controller.watch import Trouble, distrust, drive_faults, motion_faults
-from messaging.control import Action, ActionRequest, Reply, Target
+from controller.watch import Trouble, Watch, distrust
+from messaging.control import Action, Reply, Target
 from messaging.settings import RobotSettings
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class _Judged:
+    """What came of a cycle's requests: the answers, the last target and order that were accepted, and where a jog leads."""
+
+    state: LoopState
+    replies: tuple[Reply, ...]
+    target: Target | None
+    order: Action | None
+    jog: Jog | None
 
 
 class Loop:
@@ -30,44 +40,45 @@ class Loop:
         self._settings = settings
         self._plant = Plant.of(settings, robot)
         self._motion = Motion(settings, self._plant)
+        self._orders = Orders(settings, self._plant, self._motion)
+        self._watch = Watch(settings, self._plant)
         self._untroubled = Trouble.none(self._plant.kinematics.axes)
 
     def start(self) -> LoopState:
         """In idle, knowing nothing."""
+        axes = self._plant.kinematics.axes
         return LoopState(
             supervision=Supervision(),
-            command_mm=np.zeros(self._plant.kinematics.axes),
+            command_mm=np.zeros(axes),
             trouble=self._untroubled,
+            lost_motion_mm=np.full(axes, np.nan),
         )
 
     def step(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, Outputs]:
         """The state after this cycle and what is to be done."""
         before = state
         state, fresh = self._look(state, inputs)
-        state, replies, accepted = self._judge(state, inputs)
-        state = self._motion.prepare(
-            state, before.mode, inputs.now_s, inputs.drive, retargeted=accepted is not None
-        )
-        try:
-            state, cut_short = self._motion.move(state, before.mode, fresh, inputs)
-        except CommandNotFiniteError as error:
-            failed = Supervision(mode=Mode.FAULT, reason=str(LawFailedError(error)), since_s=inputs.now_s)
-            state, cut_short = dataclasses.replace(state, supervision=failed, task=None), ""
+        judged = self._judge(state, fresh, inputs)
+        moved = self._move(judged, before.mode, fresh, inputs)
+        state = dataclasses.replace(moved.state, stepped_s=inputs.now_s)
         engage = state.mode.torque and not before.mode.torque
         homed = state.mode is Mode.READY and before.mode is Mode.HOMING
         powered = before.mode.torque or (inputs.drive is not None and inputs.drive.torque)
         return state, Outputs(
+            tendons=self._plant.kinematics.tendons,
             release=powered and not state.mode.torque,
             engage=engage,
-            zero_mm=state.command_mm if homed or engage else None,
+            zero_mm=state.command_mm if homed or engage or moved.renamed else None,
             command_mm=state.command_mm if state.mode.torque else None,
-            replies=replies,
-            accepted=accepted,
-            reason=cut_short or self._reason(state, inputs),
+            replies=judged.replies,
+            accepted=judged.target,
+            reason=moved.cut_short or self._reason(state, inputs),
         )
 
     def _look(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, Seen | None]:
-        """Take in a new shape, if it may be acted on."""
+        """Take in whether somebody is there, and a new shape, if it may be acted on."""
+        if inputs.heartbeat:
+            state = dataclasses.replace(state, heartbeat_s=inputs.now_s)
         if inputs.sighting is None:
             return state, None
         shape, age_s = inputs.sighting.shape, inputs.sighting.age_s
@@ -83,97 +94,102 @@ class Loop:
         seen = Seen(shape=shape, capture_s=capture_s, arrived_s=inputs.now_s)
         return dataclasses.replace(state, seen=seen, distrusted="none has come since"), seen
 
-    def _judge(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, tuple[Reply, ...], Target | None]:
+    def _judge(self, state: LoopState, fresh: Seen | None, inputs: Inputs) -> _Judged:
         """Faults first, then what was noticed, then what was asked."""
-        unseen_s, blind = (
-            state.unseen_s(inputs.now_s),
-            state.blind(inputs.now_s, self._settings.sensing.timeout_s),
-        )
-        faults = motion_faults(state.supervision, unseen_s, state.distrusted, self._settings, inputs.now_s)
-        trouble = self._untroubled
+        trouble: Trouble = self._untroubled
+        faults: list[FaultError] = []
         if state.mode.torque:
-            trouble, drive = drive_faults(
-                inputs.drive,
-                inputs.absence,
-                state.trouble,
-                settings=self._settings,
-                limits=self._plant.limits,
-                now_s=inputs.now_s,
-            )
-            faults = [*drive, *faults]
-        refusals = [self._refusal(request, state, inputs, blind=blind) for request in inputs.requests]
-        noticed = self._noticed(state, inputs.now_s, blind=blind)
+            trouble, faults = self._faults(state, fresh, inputs)
+        refusals = [self._orders.refusal(request, state, inputs) for request in inputs.requests]
+        noticed = self._noticed(state, inputs.now_s)
         asked = [
             Happening(event=Event(request.action.value), reason=f"the operator asked to {request.action}")
             for request, refusal in zip(inputs.requests, refusals, strict=True)
-            if _is_order(request) and not refusal
+            if is_order(request) and not refusal
         ]
         supervision, allowed = next_state(state.supervision, [*noticed, *asked], faults, inputs.now_s)
         outcome = iter(allowed[len(noticed) :])
         for index, request in enumerate(inputs.requests):
-            if _is_order(request) and not refusals[index] and not next(outcome):
+            if is_order(request) and not refusals[index] and not next(outcome):
                 refusals[index] = f"{request.action} is not possible in {state.mode}: {supervision.reason}"
-        targets = [
-            request
-            for request, refusal in zip(inputs.requests, refusals, strict=True)
-            if isinstance(request, Target) and not refusal
+        accepted = [
+            request for request, refusal in zip(inputs.requests, refusals, strict=True) if not refusal
         ]
+        targets = [request for request in accepted if isinstance(request, Target)]
+        order = next((request for request in reversed(accepted) if is_order(request)), None)
+        jog = None
+        if order is not None and order.action is Action.JOG:
+            jog = self._orders.jog(order, state, inputs)
         state = dataclasses.replace(state, supervision=supervision, trouble=trouble)
         if targets:
-            state = dataclasses.replace(state, target=targets[-1], joined_s=0.0)
-        replies = tuple(
-            Reply(
-                accepted=not refusal,
-                state=supervision.mode.state.value,
-                reason=refusal
-                or (
-                    f"target {request.name} accepted"
-                    if isinstance(request, Target)
-                    else self._reason(state, inputs)
-                ),
-            )
-            for request, refusal in zip(inputs.requests, refusals, strict=True)
+            state = dataclasses.replace(state, target=targets[-1], joined_s=0.0, progress=0.0)
+        return _Judged(
+            state=state,
+            replies=self._orders.replies(inputs.requests, refusals, supervision, self._reason(state, inputs)),
+            target=targets[-1] if targets else None,
+            order=None if order is None else order.action,
+            jog=jog,
         )
-        return state, replies, targets[-1] if targets else None
 
-    def _refusal(self, request: Request, state: LoopState, inputs: Inputs, *, blind: bool) -> str:
-        """Why what was asked cannot be done whatever the mode; nothing when it can."""
-        seen = state.seen
-        if isinstance(request, Target):
-            arcs = (
-                {} if seen is None else dict(zip(seen.shape.node_names, seen.shape.node_arc_mm, strict=True))
-            )
-            try:
-                check_target(request, arcs, self._plant, self._settings)
-            except TargetError as error:
-                return str(error)
-            return ""
-        if request.action is Action.HOME and inputs.drive is None:
-            return f"no tendon drive: {inputs.absence}"
-        if request.action in (Action.HOME, Action.ARM) and (seen is None or blind):
-            return f"no trusted shape: {state.distrusted}"
-        if request.action is Action.ARM and seen is not None and state.target is not None:
-            return tasks.missing_nodes(state.target.node_names, seen.shape)
-        return ""
+    def _faults(
+        self, state: LoopState, fresh: Seen | None, inputs: Inputs
+    ) -> tuple[Trouble, list[FaultError]]:
+        """What must not go on while torque is on, the worst first."""
+        watch, now_s, mode = self._watch, inputs.now_s, state.mode
+        trouble, faults = state.trouble, []
+        if inputs.drive is None:
+            faults.append(watch.absent(inputs.absence, inputs.absence_fault))
+        else:
+            trouble, faults = watch.drive(inputs.drive, state.command_mm, trouble, now_s)
+        faults += watch.pushed(trouble, now_s) + watch.cycle(now_s - state.stepped_s)
+        if fresh is not None:
+            faults += watch.body(fresh.shape)
+        if mode in (Mode.HOMING, Mode.WAITING):
+            faults += watch.unseen(state.unseen_s(now_s), state.distrusted)
+        if mode is Mode.HOMING:
+            faults += watch.straightening(state.straightening_since_s, now_s)
+        if mode is not Mode.RELAXING:
+            faults += watch.operator(now_s - state.heartbeat_s)
+        return trouble, faults
 
-    def _noticed(self, state: LoopState, now_s: float, *, blind: bool) -> list[Happening]:
+    def _noticed(self, state: LoopState, now_s: float) -> list[Happening]:
+        noticed = []
+        blind = state.blind(now_s, self._settings.sensing.timeout_s)
         if state.mode is Mode.TRACKING and blind:
-            return [Happening(event=Event.SENSING_LOST, reason=f"no trusted shape: {state.distrusted}")]
+            reason = f"no trusted shape: {state.distrusted}"
+            noticed.append(Happening(event=Event.SENSING_LOST, reason=reason))
         if state.mode is Mode.WAITING and not blind:
-            return [Happening(event=Event.SENSING_GOOD, reason="shapes are trusted again")]
+            noticed.append(Happening(event=Event.SENSING_GOOD, reason="shapes are trusted again"))
         straight_s = now_s - state.straight_since_s
         if state.mode is Mode.HOMING and not blind and straight_s > self._settings.homing.settle_s:
-            return [Happening(event=Event.HOMED, reason="homed")]
-        if state.mode is Mode.RELAXING and not state.command_mm[:-1].any():
-            return [Happening(event=Event.RELAXED, reason="relaxed")]
-        return []
+            noticed.append(Happening(event=Event.HOMED, reason="homed"))
+        if state.mode is Mode.RELAXING and not state.command_mm[: self._plant.kinematics.tendons].any():
+            noticed.append(Happening(event=Event.RELAXED, reason="relaxed"))
+        heartbeat_s = self._settings.operator.heartbeat_s
+        if state.mode in (Mode.TRACKING, Mode.WAITING) and 0 < heartbeat_s < now_s - state.heartbeat_s:
+            reason = f"no operator's heartbeat for more than {heartbeat_s:g} s"
+            noticed.append(Happening(event=Event.OPERATOR_LOST, reason=reason))
+        return noticed
+
+    def _move(self, judged: _Judged, before: Mode, fresh: Seen | None, inputs: Inputs) -> Moved:
+        """As the mode demands; what fails on the way ends in a fault in this cycle."""
+        state = judged.state
+        try:
+            state = self._motion.prepare(
+                state,
+                before,
+                inputs,
+                ordered=judged.order,
+                jog=judged.jog,
+                retargeted=judged.target is not None,
+            )
+            return self._motion.move(state, before, fresh, inputs)
+        except FaultError as error:
+            state = dataclasses.replace(state, supervision=Supervision.failed(error, inputs.now_s))
+            return Moved(state=self._motion.prepare(state, before, inputs))
 
     def _reason(self, state: LoopState, inputs: Inputs) -> str:
         """Why the mode is what it is; an absent drive is no fault in idle, but it is worth saying."""
         if state.mode is Mode.IDLE and inputs.drive is None:
             return inputs.absence
-        return state.supervision.reason
-
-
-def _is_order(request: Request) -> TypeGuard[ActionRequest]:
-    return isinstance(request, ActionRequest) and request.action is not Action.STATUS
+        return self._motion.doing(state) or state.supervision.reason

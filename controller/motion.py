@@ -6,16 +6,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller import task as tasks
-from controller.cycle import Inputs, LoopState
+from controller.cycle import Inputs, Jog, LoopState
+from controller.errors import CommandNotFiniteError
+from controller.faults import LawFailedError
+from controller.homing import SlackSearch
 from controller.laws import make_law
 from controller.plant import Plant
 from controller.reference import Reference
 from controller.settings import ControllerSettings
 from controller.supervisor import Mode
 from controller.task import Seen, Task
-from drivers.actuators import ActuatorState
+from messaging.control import Action
 
 Array = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Moved:
+    """A cycle's motion: the state with its command, whether the present place has a new name, how commands were cut short."""
+
+    state: LoopState
+    renamed: bool = False
+    cut_short: str = ""
 
 
 class Motion:
@@ -27,106 +39,212 @@ class Motion:
         self._kinematics = plant.kinematics
         self._limits = plant.limits
         self._law = make_law(settings, plant)
+        self._search = SlackSearch(settings.homing, plant)
         self._all_axes = np.ones(self._kinematics.axes, dtype=bool)
         self._tendons_only = np.arange(self._kinematics.axes) < self._kinematics.tendons
-        self._lost_motion_mm = np.full(self._kinematics.axes, np.nan)
 
     def prepare(
-        self, state: LoopState, before: Mode, now_s: float, drive: ActuatorState | None, *, retargeted: bool
+        self,
+        state: LoopState,
+        before: Mode,
+        inputs: Inputs,
+        *,
+        ordered: Action | None = None,
+        jog: Jog | None = None,
+        retargeted: bool = False,
     ) -> LoopState:
-        """Set up what the mode needs when it was entered just now, or when its target changed."""
+        """Set up what the mode needs when it was entered just now, when its target changed, or when the operator ordered it.
+
+        Raises FaultError when the law fails.
+        """
         entered = state.mode is not before
         if entered and before is Mode.TRACKING and state.task is not None and not retargeted:
-            state = dataclasses.replace(state, joined_s=state.task.reference.path_s(now_s))
+            state = dataclasses.replace(state, joined_s=state.task.reference.path_s(inputs.now_s))
+        if ordered is not None:
+            state = self._ordered(state, ordered, jog, inputs.now_s)
+        if entered:
+            state = _left(state)
+        if entered and not before.torque and state.mode.torque and inputs.drive is not None:
+            state = dataclasses.replace(state, command_mm=self.taken_up(inputs.drive.insertion_mm))
         if state.mode is Mode.HOMING and entered:
-            if not before.torque and drive is not None:
-                state = dataclasses.replace(state, command_mm=self._taken_up(drive.insertion_mm))
-            return dataclasses.replace(state, task=self._homing(state, now_s), straight_since_s=np.inf)
+            return self._homing(state, inputs)
         if state.mode is Mode.READY and entered:
-            return dataclasses.replace(state, command_mm=self._taken_up(state.command_mm[-1]), task=None)
+            return dataclasses.replace(
+                state, command_mm=self.taken_up(float(state.command_mm[-1])), task=None
+            )
         if state.mode is Mode.TRACKING and (entered or retargeted):
-            return dataclasses.replace(state, task=self._tracking(state, now_s, led=not entered))
+            return dataclasses.replace(state, task=self._tracking(state, inputs.now_s, led=not entered))
         if (entered and state.mode is not Mode.WAITING) or (retargeted and state.mode is Mode.WAITING):
             return dataclasses.replace(state, task=None)
         return state
 
-    def _taken_up(self, insertion_mm: float) -> Array:
+    def taken_up(self, insertion_mm: float) -> Array:
         """The command that calls the present displacements zero."""
         low_mm, high_mm = self._limits.stage_mm
         insertion_mm = min(max(insertion_mm, low_mm), high_mm)
         return np.append(np.zeros(self._kinematics.tendons), insertion_mm)[: self._kinematics.axes]
 
-    def _homing(self, state: LoopState, now_s: float) -> Task | None:
+    def doing(self, state: LoopState) -> str:
+        """What this mode does just now, where its reason does not say it."""
+        if state.search is not None:
+            return self._search.words(state.search)
+        if state.jog is not None:
+            return state.jog.words
+        return "paused by the operator" if state.paused else ""
+
+    def _ordered(self, state: LoopState, ordered: Action, jog: Jog | None, now_s: float) -> LoopState:
+        """Every order ends a jog, and some say more."""
+        state, task = dataclasses.replace(state, jog=jog), state.task
+        match ordered:
+            case Action.PAUSE | Action.RESUME:
+                paused = ordered is Action.PAUSE
+                if task is not None and paused is not state.paused:
+                    reference = task.reference.paused(now_s) if paused else task.reference.resumed(now_s)
+                    task = dataclasses.replace(task, reference=reference)
+                return dataclasses.replace(state, task=task, paused=paused)
+            case Action.ABORT:
+                return dataclasses.replace(state, target=None, joined_s=0.0, progress=0.0)
+        return state
+
+    def _homing(self, state: LoopState, inputs: Inputs) -> LoopState:
+        """Begin with the search for slack, or with leading the robot straight."""
+        state = dataclasses.replace(state, task=None, straight_since_s=np.inf, straightening_since_s=np.inf)
+        if self._settings.homing.find_slack and inputs.drive is not None:
+            search = self._search.start(state.command_mm, inputs.drive, inputs.now_s)
+            return dataclasses.replace(state, search=search)
+        return self._straightening(state, inputs.now_s)
+
+    def _straightening(self, state: LoopState, now_s: float) -> LoopState:
         if state.seen is None:
-            return None
+            return state
         target = tasks.straight_target(state.seen.shape)
         reference = Reference.towards(
             target, state.seen.shape.node_mm, now_s, self._settings.homing.node_speed_mm_s
         )
-        return tasks.begin(
-            self._law,
-            reference,
-            state.seen,
-            self._tendons_only,
-            before=None,
-            command_mm=state.command_mm,
-            lost_motion_mm=self._lost_motion_mm,
-            now_s=now_s,
-        )
+        task = self._begin(state, reference, state.seen, self._tendons_only, None, now_s)
+        return dataclasses.replace(state, task=task, straightening_since_s=now_s)
 
     def _tracking(self, state: LoopState, now_s: float, *, led: bool) -> Task | None:
         """`led`: nodal points follow a target already, and go on from where they are led."""
         if state.seen is None or state.target is None:
             return None
+        start = tasks.starting_points(state.target, state.seen, state.task if led else None, now_s)
         reference = Reference.towards(
             state.target,
-            tasks.starting_points(state.target, state.seen, state.task if led else None, now_s),
+            start.node_mm,
             now_s,
             self._settings.maximum_node_speed_mm_s,
             state.joined_s,
+            start_mm_s=start.velocity_mm_s,
         )
+        if state.paused:
+            reference = reference.paused(now_s)
+        return self._begin(state, reference, state.seen, self._all_axes, state.task, now_s)
+
+    def _begin(
+        self,
+        state: LoopState,
+        reference: Reference,
+        seen: Seen,
+        movable: NDArray[np.bool_],
+        before: Task | None,
+        now_s: float,
+    ) -> Task:
         return tasks.begin(
             self._law,
             reference,
-            state.seen,
-            self._all_axes,
-            before=state.task,
+            seen,
+            movable,
+            before=before,
             command_mm=state.command_mm,
-            lost_motion_mm=self._lost_motion_mm,
+            lost_motion_mm=state.lost_motion_mm,
             now_s=now_s,
         )
 
-    def move(
-        self, state: LoopState, before: Mode, fresh: Seen | None, inputs: Inputs
-    ) -> tuple[LoopState, str]:
-        """The next command, and in words how it was cut short; raises CommandNotFiniteError."""
-        wanted, task = state.command_mm, state.task
-        if state.mode is Mode.RELAXING:
-            most = self._settings.relax_mm_s * inputs.dt_s
-            wanted = np.append(wanted[:-1] - np.clip(wanted[:-1], -most, most), wanted[-1])
-        elif task is not None and state.mode is before and self._may_follow(state, inputs.now_s):
-            task, wanted = tasks.advance(
-                self._law,
-                task,
-                fresh,
-                command_mm=wanted,
-                drive=inputs.drive,
-                now_s=inputs.now_s,
-                dt_s=inputs.dt_s,
-            )
-            if state.mode is Mode.HOMING and fresh is not None:
-                straight = task.settled(self._settings.homing.within_mm, inputs.now_s)
-                since_s = min(state.straight_since_s, inputs.now_s) if straight else np.inf
-                state = dataclasses.replace(state, straight_since_s=since_s)
+    def move(self, state: LoopState, before: Mode, fresh: Seen | None, inputs: Inputs) -> Moved:
+        """The next command; raises FaultError when the law or homing fails."""
+        wanted, dt_s = state.command_mm, inputs.dt_s
         if not state.mode.torque:
-            return state, ""
-        limited = self._limits.apply(wanted, state.command_mm, inputs.dt_s)
+            return Moved(state=state)
+        if state.mode is Mode.RELAXING:
+            most = self._settings.relax_mm_s * dt_s
+            wanted = np.where(self._tendons_only, wanted - np.clip(wanted, -most, most), wanted)
+        elif state.jog is not None:
+            state, wanted = self._jog(state, state.jog, dt_s)
+        elif state.mode is before and self._may_follow(state, inputs.now_s):
+            if state.search is not None and inputs.drive is not None:
+                search, wanted, done = self._search.step(
+                    state.search, fresh, command_mm=wanted, drive=inputs.drive, now_s=inputs.now_s, dt_s=dt_s
+                )
+                state = dataclasses.replace(state, search=search)
+                if done:
+                    return self._found(state, search.lost_motion_mm, inputs)
+            elif state.task is not None:
+                state, wanted = self._follow(state, state.task, fresh, inputs)
+        return self._limited(state, wanted, inputs)
+
+    def _jog(self, state: LoopState, jog: Jog, dt_s: float) -> tuple[LoopState, Array]:
+        wanted, most_mm = state.command_mm.copy(), self._settings.jog.mm_s * dt_s
+        missing_mm = jog.goal_mm - wanted[jog.axis]
+        if abs(missing_mm) <= most_mm:
+            wanted[jog.axis] = jog.goal_mm
+            return dataclasses.replace(state, jog=None), wanted
+        wanted[jog.axis] += np.copysign(most_mm, missing_mm)
+        return state, wanted
+
+    def _found(self, state: LoopState, lost_motion_mm: Array, inputs: Inputs) -> Moved:
+        """The search is over: every axis stands in the middle of its slack, which is called zero until the robot is straight."""
+        state = dataclasses.replace(
+            state,
+            search=None,
+            lost_motion_mm=lost_motion_mm,
+            command_mm=self.taken_up(float(state.command_mm[-1])),
+        )
+        return Moved(state=self._straightening(state, inputs.now_s), renamed=True)
+
+    def _follow(
+        self, state: LoopState, task: Task, fresh: Seen | None, inputs: Inputs
+    ) -> tuple[LoopState, Array]:
+        task, wanted = tasks.advance(
+            self._law,
+            task,
+            fresh,
+            command_mm=state.command_mm,
+            drive=inputs.drive,
+            now_s=inputs.now_s,
+            dt_s=inputs.dt_s,
+        )
+        if state.mode is Mode.TRACKING:
+            return dataclasses.replace(
+                state, task=task, progress=task.reference.progress(inputs.now_s)
+            ), wanted
+        since_s = state.straight_since_s
+        if fresh is not None:
+            straight = task.settled(self._settings.homing.within_mm, inputs.now_s)
+            since_s = min(since_s, inputs.now_s) if straight else np.inf
+        return dataclasses.replace(state, task=task, straight_since_s=since_s), wanted
+
+    def _limited(self, state: LoopState, wanted: Array, inputs: Inputs) -> Moved:
+        try:
+            limited = self._limits.apply(wanted, state.command_mm, inputs.dt_s)
+        except CommandNotFiniteError as error:
+            raise LawFailedError(str(error)) from error
         trouble = state.trouble.pushing("; ".join(limited.at_travel), inputs.now_s)
-        state = dataclasses.replace(state, command_mm=limited.command_mm, task=task, trouble=trouble)
-        return state, "; ".join((*limited.at_travel, *limited.at_rate))
+        state = dataclasses.replace(state, command_mm=limited.command_mm, trouble=trouble)
+        return Moved(state=state, cut_short="; ".join((*limited.at_travel, *limited.at_rate)))
 
     def _may_follow(self, state: LoopState, now_s: float) -> bool:
         """Homing has no mode of its own for waiting, so it stands still here while no shape is trusted."""
         return state.mode is Mode.TRACKING or (
             state.mode is Mode.HOMING and not state.blind(now_s, self._settings.sensing.timeout_s)
         )
+
+
+def _left(state: LoopState) -> LoopState:
+    """Without what belongs to other modes than the one that was entered."""
+    return dataclasses.replace(
+        state,
+        search=state.search if state.mode is Mode.HOMING else None,
+        jog=state.jog if state.mode in (Mode.HOLD, Mode.UNHOMED) else None,
+        paused=state.paused and state.mode in (Mode.TRACKING, Mode.WAITING),
+    )

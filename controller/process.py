@@ -70,7 +70,9 @@ def run(
                 sighting=wire.sighting(beat.now_s),
                 drive=reading,
                 absence=drive.absence,
+                absence_fault=drive.absence_fault,
                 requests=wire.requests(),
+                heartbeat=wire.heartbeat(),
             )
             before, (state, outputs) = state, loop.step(state, inputs)
             written = drive.act(outputs, beat.now_s)

@@ -49,11 +49,30 @@ class LimitSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     current_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 1000.0
     current_grace_s: Seconds = 0.1
     """How long a servo may draw more than `current_ma`, as it does for a moment when it starts to move."""
+    least_tension_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 40.0
+    """Current below which a single tendon counts as slack; pairs keep one another tight."""
+    tightening_mm_s: Speed = 0.5
+    """How fast slack is taken out of single tendons."""
     travel_grace_s: Seconds = 1.0
     """How long the law may push against the end of a travel before that is a fault."""
+    following_mm: Annotated[float, msgspec.Meta(gt=0, le=200)] = 3.0
+    """How far a servo may stand from where it was sent."""
+    following_grace_s: Seconds = 0.5
+    """How long it may stand further."""
+    temperature_c: Annotated[float, msgspec.Meta(gt=0, le=150)] = 70.0
+    """How hot a servo may become."""
+    voltage_v: tuple[Annotated[float, msgspec.Meta(ge=0)], Annotated[float, msgspec.Meta(le=100)]] = (
+        9.0,
+        16.0,
+    )
+    """Between which voltages a servo's supply must be."""
+    voltage_grace_s: Seconds = 0.5
+    """How long it may be elsewhere, as when many servos start to move at once."""
 
     def __post_init__(self) -> None:
         """Check what the bounds of single fields cannot say."""
+        if not self.voltage_v[0] < self.voltage_v[1]:
+            raise ValueError(f"voltage_v {list(self.voltage_v)} must go from the lower bound to the higher")
         if not self.insertion_mm[0] < self.insertion_mm[1]:
             raise ValueError(
                 f"insertion_mm {list(self.insertion_mm)} must go from the lower end to the higher"
@@ -65,21 +84,57 @@ class SensingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
     maximum_age_s: Seconds = 0.1
     """An estimate older than this when it arrives is as good as none."""
-    timeout_s: Annotated[float, msgspec.Meta(gt=0, le=0.095)] = 0.09
-    """Without a trusted estimate for this long the tendons keep their place."""
+    timeout_s: Annotated[float, msgspec.Meta(gt=0, le=0.5)] = 0.09
+    """Without a trusted estimate for this long the tendons keep their place; cameras at 10 Hz need more than 0.2 s."""
     hold_at_most_s: Seconds = 1.0
     """After this long without a trusted estimate the hold becomes a fault."""
 
+    def __post_init__(self) -> None:
+        """Check what the bounds of single fields cannot say."""
+        if self.timeout_s >= self.hold_at_most_s:
+            raise ValueError(
+                f"timeout_s {self.timeout_s:g} must be less than hold_at_most_s {self.hold_at_most_s:g}: "
+                "the tendons hold before that becomes a fault"
+            )
+
 
 class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the straight pose is found: nodal points go to the axis at `node_speed_mm_s` until their RMS distance from it
-    stays below `within_mm` for `settle_s`.
+    """How zero is found: first the slack of each axis, then the straight pose.
+
+    Each tendon pair is pulled one way and the other at `probe_mm_s`, at most `search_mm` each way, until the cameras see
+    nodal points move by `seen_mm` or the current rises by `current_rise_ma`. A single tendon is tightened until its current
+    rises by `tension_ma`. Then nodal points go to the axis at `node_speed_mm_s` until their RMS distance from it stays below
+    `within_mm` for `settle_s`, within `timeout_s`.
     """
 
+    find_slack: bool = True
+    """False calls the place where the robot stands the middle of all slack."""
+    probe_mm_s: Annotated[float, msgspec.Meta(gt=0, le=10)] = 1.0
+    search_mm: Annotated[float, msgspec.Meta(gt=0, le=50)] = 3.0
+    seen_mm: Annotated[float, msgspec.Meta(gt=0, le=20)] = 0.5
+    current_rise_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 300.0
+    tension_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 80.0
     node_speed_mm_s: Speed = 5.0
     within_mm: Annotated[float, msgspec.Meta(gt=0, le=20)] = 0.5
     settle_s: Seconds = 0.5
     timeout_s: Seconds = 20.0
+
+
+class JogSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How one axis may be moved by hand: `nodal do jog`."""
+
+    at_most_mm: Annotated[float, msgspec.Meta(gt=0, le=100)] = 5.0
+    """The longest single move."""
+    mm_s: Annotated[float, msgspec.Meta(gt=0, le=20)] = 1.0
+
+
+class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What happens when nobody is there any more."""
+
+    heartbeat_s: Annotated[float, msgspec.Meta(ge=0, le=60)] = 0.0
+    """Without an operator's heartbeat for this long a target is no longer followed: the tendons hold. 0 needs no heartbeat."""
+    hold_s: Seconds = 10.0
+    """After this long without a heartbeat in any state with torque the tendons are let go."""
 
 
 class RealTimeSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -120,6 +175,10 @@ class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     limits: LimitSettings = LimitSettings()
     sensing: SensingSettings = SensingSettings()
     homing: HomingSettings = HomingSettings()
+    jog: JogSettings = JogSettings()
+    operator: OperatorSettings = OperatorSettings()
+    stall_s: Seconds = 0.5
+    """How far apart two cycles may lie while torque is on."""
     real_time: RealTimeSettings = RealTimeSettings()
 
     def kinematics(self, robot: RobotSettings) -> Kinematics:

@@ -2,12 +2,15 @@
 
 import dataclasses
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.law import SAME_ARC_MM, Beginning, Law, LawInputs, Measurement, Points
+from controller.faults import LawFailedError
+from controller.law import SAME_ARC_MM, Beginning, Desired, Law, LawInputs, Measurement, Points
 from controller.reference import Reference
 from drivers.actuators import ActuatorState
 from messaging.control import Target
@@ -63,25 +66,23 @@ def begin(
     lost_motion_mm: Array,
     now_s: float,
 ) -> Task:
-    """A task that starts from what is seen now, with all that the law has learnt in `before`."""
+    """A task that starts from what is seen now, with all that the law has learnt in `before`; raises LawFailedError."""
     measurement = seen.measurement(reference.target.node_names)
     points = Points(
         arc_mm=measurement.arc_mm[measurement.led], weights=reference.target.weights, movable=movable
     )
-    return Task(
-        reference=reference,
+    beginning = Beginning(
         points=points,
-        law_state=law.start(
-            Beginning(
-                points=points,
-                command_mm=command_mm,
-                measured=measurement,
-                now_s=now_s,
-                lost_motion_mm=lost_motion_mm,
-                before=None if before is None else before.law_state,
-            )
-        ),
-        **_compare(reference, points, measurement),
+        command_mm=command_mm,
+        measured=measurement,
+        now_s=now_s,
+        lost_motion_mm=lost_motion_mm,
+        before=None if before is None else before.law_state,
+    )
+    with _law_at_work():
+        law_state = law.start(beginning)
+    return Task(
+        reference=reference, points=points, law_state=law_state, **_compare(reference, points, measurement)
     )
 
 
@@ -95,7 +96,10 @@ def advance(
     now_s: float,
     dt_s: float,
 ) -> tuple[Task, Array]:
-    """The task one cycle on, and the command (A,) that the law asks for. `seen` is a shape that arrived just now."""
+    """The task one cycle on, and the command (A,) that the law asks for; raises LawFailedError.
+
+    `seen` is a shape that arrived just now.
+    """
     measured = None if seen is None else seen.measurement(task.reference.target.node_names)
     inputs = LawInputs(
         now_s=now_s,
@@ -105,9 +109,19 @@ def advance(
         desired=task.reference.at(now_s + law.lead_s),
         measured=measured,
     )
-    law_state, wanted = law.step(task.law_state, inputs)
+    with _law_at_work():
+        law_state, wanted = law.step(task.law_state, inputs)
     seen_anew = {} if measured is None else _compare(task.reference, task.points, measured)
     return dataclasses.replace(task, law_state=law_state, **seen_anew), wanted
+
+
+@contextmanager
+def _law_at_work() -> Iterator[None]:
+    """Whatever a law does wrong must not end the process: it may be a stranger's, and torque is on."""
+    try:
+        yield
+    except Exception as error:
+        raise LawFailedError(f"the law failed: {type(error).__name__}: {error}") from error
 
 
 def _compare(reference: Reference, points: Points, measured: Measurement) -> dict[str, Any]:
@@ -130,13 +144,17 @@ def straight_target(shape: ShapeEstimate) -> Target:
     )
 
 
-def starting_points(target: Target, seen: Seen, task: Task | None, now_s: float) -> Array:
-    """(m, 3) where a new reference begins: where nodal points are led just now, or where they are seen."""
-    start = seen.measurement(target.node_names).led_mm
-    if task is None:
-        return start
-    led = dict(zip(task.reference.target.node_names, task.reference.at(now_s).node_mm, strict=True))
-    return np.array([led.get(name, here) for name, here in zip(target.node_names, start, strict=True)])
+def starting_points(target: Target, seen: Seen, task: Task | None, now_s: float) -> Desired:
+    """Where a new reference begins: as nodal points are led just now, or standing where they are seen."""
+    start_mm = seen.measurement(target.node_names).led_mm.copy()
+    start_mm_s = np.zeros_like(start_mm)
+    if task is not None:
+        led, names = task.reference.at(now_s), task.reference.target.node_names
+        for row, name in enumerate(target.node_names):
+            if name in names:
+                start_mm[row] = led.node_mm[names.index(name)]
+                start_mm_s[row] = led.velocity_mm_s[names.index(name)]
+    return Desired(node_mm=start_mm, velocity_mm_s=start_mm_s)
 
 
 def missing_nodes(names: tuple[str, ...], shape: ShapeEstimate) -> str:

@@ -1,23 +1,33 @@
-"""What the loop watches: whether shapes can be trusted, and whether the drive is well. Pure; thresholds from settings."""
+"""What the loop watches: whether shapes can be trusted, whether the drive is well, and whether motion must end.
+
+Pure; thresholds from settings. Each fault says its reason, the value and the limit.
+"""
 
 import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.errors import (
+from controller.errors import FaultError
+from controller.faults import (
+    FAULTS,
     DriveLostError,
     ExcessCurrentError,
-    FaultError,
     HomingTimeoutError,
+    LoopStalledError,
+    NotFollowingError,
+    OperatorLostError,
+    RegionEnteredError,
     SensingLostError,
     ServoAlarmError,
+    SupplyVoltageError,
+    TooHotError,
     TorqueLostError,
     TravelError,
 )
-from controller.limits import Limits, axis_name
+from controller.limits import axis_name
+from controller.plant import Plant
 from controller.settings import ControllerSettings
-from controller.supervisor import Mode, Supervision
 from drivers.actuators import ActuatorState
 from messaging.shape import ShapeEstimate
 
@@ -33,13 +43,18 @@ class Trouble:
 
     current_since_s: Array
     """(A,)."""
+    following_since_s: Array
+    """(A,)."""
+    voltage_since_s: Array
+    """(A,)."""
     travel_since_s: float = np.inf
     travel: str = ""
 
     @classmethod
     def none(cls, axes: int) -> "Trouble":
         """All is well."""
-        return cls(current_since_s=np.full(axes, np.inf))
+        right = np.full(axes, np.inf)
+        return cls(current_since_s=right, following_since_s=right, voltage_since_s=right)
 
     def pushing(self, travel: str, now_s: float) -> "Trouble":
         """The same, now that commands were cut short at the end of a travel, or were not (no `travel` in words)."""
@@ -64,66 +79,159 @@ def distrust(
     return ""
 
 
-def drive_faults(
-    drive: ActuatorState | None,
-    absence: str,
-    trouble: Trouble,
-    *,
-    settings: ControllerSettings,
-    limits: Limits,
-    now_s: float,
-) -> tuple[Trouble, list[FaultError]]:
-    """What is wrong with the drive while torque should be on; `absence` says why there is no reading."""
-    if drive is None:
-        return trouble, [DriveLostError(absence)]
-    faults: list[FaultError] = []
-    if any(drive.hardware_error):
-        bits = ", ".join(
-            f"{axis_name(axis, limits.tendons)} 0x{error:02x}"
-            for axis, error in enumerate(drive.hardware_error)
-            if error
+class Watch:
+    """Everything that may end in a fault while torque is on."""
+
+    def __init__(self, settings: ControllerSettings, plant: Plant) -> None:
+        """For one robot."""
+        self._settings = settings
+        self._limits = settings.limits
+        self._plant = plant
+
+    def absent(self, words: str, code: str) -> FaultError:
+        """The fault that a drive without a reading is; `code` says of which kind."""
+        return FAULTS.get(code, DriveLostError)(words)
+
+    def drive(
+        self, drive: ActuatorState, command_mm: Array, trouble: Trouble, now_s: float
+    ) -> tuple[Trouble, list[FaultError]]:
+        """What is wrong with this reading of the drive, which was sent to `command_mm` (A,) a cycle ago."""
+        limits, low_high_v = self._limits, self._limits.voltage_v
+        behind_mm = np.abs(drive.position_mm - command_mm)
+        unpowered = (drive.voltage_v < low_high_v[0]) | (drive.voltage_v > low_high_v[1])
+        trouble = dataclasses.replace(
+            trouble,
+            current_since_s=_since(
+                np.abs(drive.current_ma) > limits.current_ma, trouble.current_since_s, now_s
+            ),
+            following_since_s=_since(behind_mm > limits.following_mm, trouble.following_since_s, now_s),
+            voltage_since_s=_since(unpowered, trouble.voltage_since_s, now_s),
         )
-        faults.append(ServoAlarmError(f"hardware error bits: {bits}"))
-    if not drive.torque:
-        faults.append(TorqueLostError("a servo let its tendon go by itself"))
-    if beyond := limits.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
-        faults.append(TravelError("; ".join(beyond)))
-    excess = np.abs(drive.current_ma) > settings.limits.current_ma
-    since = np.where(excess, np.minimum(trouble.current_since_s, now_s), np.inf)
-    lasting = now_s - since > settings.limits.current_grace_s
-    if lasting.any():
-        axis = int(lasting.argmax())
-        faults.append(
-            ExcessCurrentError(
-                f"{axis_name(axis, limits.tendons)} draws {drive.current_ma[axis]:.0f} mA for more than "
-                f"{settings.limits.current_grace_s:g} s; at most {settings.limits.current_ma:g} mA are allowed"
+        faults: list[FaultError] = []
+        if any(drive.hardware_error):
+            bits = ", ".join(
+                f"{self._name(axis)} 0x{error:02x}"
+                for axis, error in enumerate(drive.hardware_error)
+                if error
             )
-        )
-    if now_s - trouble.travel_since_s > settings.limits.travel_grace_s:
-        faults.append(
-            TravelError(
-                f"pushed for more than {settings.limits.travel_grace_s:g} s beyond travel: {trouble.travel}"
+            faults.append(ServoAlarmError(f"hardware error bits: {bits}"))
+        if not drive.torque:
+            faults.append(TorqueLostError("a servo let its tendon go by itself"))
+        if beyond := self._plant.limits.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
+            faults.append(TravelError("; ".join(beyond)))
+        if (axis := _lasting(trouble.current_since_s, limits.current_grace_s, now_s)) is not None:
+            faults.append(
+                ExcessCurrentError(
+                    f"{self._name(axis)} draws {drive.current_ma[axis]:.0f} mA for more than "
+                    f"{limits.current_grace_s:g} s; at most {limits.current_ma:g} mA are allowed",
+                    value=abs(drive.current_ma[axis]),
+                    limit=limits.current_ma,
+                    unit="mA",
+                )
             )
-        )
-    return dataclasses.replace(trouble, current_since_s=since), faults
+        if (drive.temperature_c > limits.temperature_c).any():
+            axis = int(drive.temperature_c.argmax())
+            faults.append(
+                TooHotError(
+                    f"the servo of {self._name(axis)} has {drive.temperature_c[axis]:.0f} C; "
+                    f"at most {limits.temperature_c:g} C are allowed",
+                    value=drive.temperature_c[axis],
+                    limit=limits.temperature_c,
+                    unit="C",
+                )
+            )
+        if (axis := _lasting(trouble.voltage_since_s, limits.voltage_grace_s, now_s)) is not None:
+            volts = float(drive.voltage_v[axis])
+            faults.append(
+                SupplyVoltageError(
+                    f"the servo of {self._name(axis)} has {volts:.1f} V for more than {limits.voltage_grace_s:g} s; "
+                    f"{low_high_v[0]:g} to {low_high_v[1]:g} V are allowed",
+                    value=volts,
+                    limit=low_high_v[volts > low_high_v[1]],
+                    unit="V",
+                )
+            )
+        if (axis := _lasting(trouble.following_since_s, limits.following_grace_s, now_s)) is not None:
+            faults.append(
+                NotFollowingError(
+                    f"{self._name(axis)} stands {behind_mm[axis]:.2f} mm from where it was sent for more than "
+                    f"{limits.following_grace_s:g} s; {limits.following_mm:g} mm are allowed",
+                    value=behind_mm[axis],
+                    limit=limits.following_mm,
+                    unit="mm",
+                )
+            )
+        return trouble, faults
+
+    def pushed(self, trouble: Trouble, now_s: float) -> list[FaultError]:
+        """Commands that were cut short at the end of a travel for too long."""
+        pushed_s, limit_s = now_s - trouble.travel_since_s, self._limits.travel_grace_s
+        if pushed_s <= limit_s:
+            return []
+        words = f"pushed for more than {limit_s:g} s beyond travel: {trouble.travel}"
+        return [TravelError(words, value=pushed_s, limit=limit_s, unit="s")]
+
+    def unseen(self, unseen_s: float, distrusted: str) -> list[FaultError]:
+        """Moving or waiting without trusted shapes."""
+        limit_s = self._settings.sensing.hold_at_most_s
+        if unseen_s <= limit_s:
+            return []
+        words = f"no trusted shape for {unseen_s:.2f} s, {limit_s:g} s are allowed: {distrusted}"
+        return [SensingLostError(words, value=min(unseen_s, _LONG_S), limit=limit_s, unit="s")]
+
+    def straightening(self, since_s: float, now_s: float) -> list[FaultError]:
+        """Homing that does not end."""
+        homing, took_s = self._settings.homing, now_s - since_s
+        if took_s <= homing.timeout_s:
+            return []
+        words = f"the robot is not straight within {homing.within_mm:g} mm after {homing.timeout_s:g} s"
+        return [HomingTimeoutError(words, value=took_s, limit=homing.timeout_s, unit="s")]
+
+    def body(self, shape: ShapeEstimate) -> list[FaultError]:
+        """Any part of the robot that is seen inside a forbidden region."""
+        regions = self._plant.regions
+        if not len(regions):
+            return []
+        seen_mm = np.concatenate([shape.centreline_mm, shape.node_mm])
+        clearance, _ = regions.clearance(seen_mm)
+        point, region = np.unravel_index(clearance.argmin(), clearance.shape)
+        depth_mm = -float(clearance[point, region])
+        if depth_mm <= 0:
+            return []
+        place = ", ".join(f"{value:.1f}" for value in seen_mm[point])
+        words = f"the robot is {depth_mm:.1f} mm inside the forbidden region {regions.names[region]}, at ({place}) mm"
+        return [RegionEnteredError(words, value=depth_mm, limit=0.0, unit="mm")]
+
+    def operator(self, unheard_s: float) -> list[FaultError]:
+        """Nobody there for longer than a hold may last."""
+        operator = self._settings.operator
+        limit_s = operator.heartbeat_s + operator.hold_s
+        if not operator.heartbeat_s or unheard_s <= limit_s:
+            return []
+        words = f"no operator's heartbeat for {unheard_s:.1f} s, {limit_s:g} s are allowed"
+        return [OperatorLostError(words, value=min(unheard_s, _LONG_S), limit=limit_s, unit="s")]
+
+    def cycle(self, gap_s: float) -> list[FaultError]:
+        """Too much time since the last cycle."""
+        limit_s = self._settings.stall_s
+        if gap_s <= limit_s:
+            return []
+        words = f"the loop stood still for {gap_s:.2f} s, {limit_s:g} s are allowed"
+        return [LoopStalledError(words, value=gap_s, limit=limit_s, unit="s")]
+
+    def _name(self, axis: int) -> str:
+        return axis_name(axis, self._plant.limits.tendons)
 
 
-def motion_faults(
-    supervision: Supervision, unseen_s: float, distrusted: str, settings: ControllerSettings, now_s: float
-) -> list[FaultError]:
-    """What must not go on: moving or waiting without trusted shapes, homing without an end."""
-    faults: list[FaultError] = []
-    allowed_s = settings.sensing.hold_at_most_s
-    if supervision.mode in (Mode.HOMING, Mode.WAITING) and unseen_s > allowed_s:
-        faults.append(
-            SensingLostError(
-                f"no trusted shape for {unseen_s:.2f} s, {allowed_s:g} s are allowed: {distrusted}"
-            )
-        )
-    if supervision.mode is Mode.HOMING and now_s - supervision.since_s > settings.homing.timeout_s:
-        faults.append(
-            HomingTimeoutError(
-                f"the robot is not straight within {settings.homing.within_mm:g} mm after {settings.homing.timeout_s:g} s"
-            )
-        )
-    return faults
+_LONG_S = 1e9
+"""What a fault says instead of for ever: messages carry finite numbers only."""
+
+
+def _since(wrong: NDArray[np.bool_], since_s: Array, now_s: float) -> Array:
+    return np.where(wrong, np.minimum(since_s, now_s), np.inf)
+
+
+def _lasting(since_s: Array, grace_s: float, now_s: float) -> int | None:
+    """The first axis of which something has been wrong for longer than `grace_s`."""
+    lasting = now_s - since_s > grace_s
+    return int(lasting.argmax()) if lasting.any() else None

@@ -6,7 +6,7 @@ import time
 from controller.account import Account
 from controller.cycle import Outputs, Request, Sighting
 from messaging import topics
-from messaging.control import ActionRequest, Reply, Target
+from messaging.control import Action, ActionRequest, Reply, Target
 from messaging.errors import CodecError, InvalidMessageError
 from messaging.history import Asked, Memory
 from messaging.session import Query, Session
@@ -15,6 +15,8 @@ from messaging.views import DesiredPointsView, TargetPathView
 
 logger = logging.getLogger(__name__)
 
+_STOP = ActionRequest(action=Action.STOP)
+
 
 class Wire:
     """Everything that one controller hears and says. Nothing here waits."""
@@ -22,6 +24,8 @@ class Wire:
     def __init__(self, session: Session, now_s: float) -> None:
         """Declare publishers, the subscription to shapes, and the services."""
         self._shapes = session.newest(topics.SHAPE)
+        self._stop = session.hears(topics.STOP)
+        self._heartbeat = session.hears(topics.HEARTBEAT)
         self._services = (session.answers(topics.CONTROLLER_DO), session.answers(topics.CONTROLLER_TARGET))
         self._target = session.publisher(topics.TARGET)
         self._command = session.publisher(topics.TENDON_COMMAND)
@@ -32,7 +36,7 @@ class Wire:
         self._asked = session.publisher(topics.ASKED)
         self._memory = session.publisher(topics.CONTROLLER_MEMORY)
         self._looked_s = now_s
-        self._queries: list[Query] = []
+        self._asking: list[tuple[str, bytes, Query | None]] = []
 
     def sighting(self, now_s: float) -> Sighting | None:
         """The newest shape that was not seen yet, and its age at `now_s`, which may be a little ago.
@@ -57,7 +61,7 @@ class Wire:
         return Sighting(shape=shape, age_s=age_s)
 
     def requests(self) -> tuple[Request, ...]:
-        """What was asked since the last cycle; what is not readable is answered at once."""
+        """What was asked since the last cycle; what is not readable is answered at once. A stop signal waits for no answer."""
         requests: list[Request] = []
         for service in self._services:
             while (query := service.take()) is not None:
@@ -68,8 +72,15 @@ class Wire:
                     continue
                 if isinstance(request, ActionRequest | Target):
                     requests.append(request)
-                    self._queries.append(query)
+                    self._asking.append((service.key, query.payload, query))
+        if self._stop.heard():
+            requests.append(_STOP)
+            self._asking.append((topics.STOP.key, _STOP.to_bytes(), None))
         return tuple(requests)
+
+    def heartbeat(self) -> bool:
+        """True when an operator's heartbeat came since the last cycle."""
+        return self._heartbeat.heard()
 
     def say(self, outputs: Outputs, account: Account) -> int:
         """Publish this cycle and answer what was asked in it; returns the number of its state."""
@@ -84,10 +95,11 @@ class Wire:
             self._path.put(TargetPathView.of(outputs.accepted, controller.time_ns))
         if account.fresh and controller.node_names:
             self._desired.put(DesiredPointsView.of(controller))
-        for query, reply in zip(self._queries, outputs.replies, strict=True):
-            self._asked.put(Asked.of(query.service.key, query.payload, reply, controller.time_ns))
-            query.reply(reply)
-        self._queries.clear()
+        for (key, payload, query), reply in zip(self._asking, outputs.replies, strict=True):
+            self._asked.put(Asked.of(key, payload, reply, controller.time_ns))
+            if query is not None:
+                query.reply(reply)
+        self._asking.clear()
         return number
 
     def say_memory(self, memory: Memory) -> None:

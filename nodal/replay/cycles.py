@@ -11,11 +11,17 @@ from messaging import topics
 from messaging.control import ActionRequest, ControllerState, Target, TendonCommand, TendonState
 from messaging.errors import NodalError
 from messaging.history import Asked, Memory
+from messaging.message import Message
 from messaging.shape import ShapeEstimate
 from nodal.replay.typed import read
 from recordings.reader import Recorded
 
-SERVICES = {service.key: service for service in (topics.CONTROLLER_DO, topics.CONTROLLER_TARGET)}
+REQUESTS: dict[str, type[Message]] = {
+    topics.CONTROLLER_DO.key: ActionRequest,
+    topics.CONTROLLER_TARGET.key: Target,
+    topics.STOP.key: ActionRequest,
+}
+"""What cycles are asked, by the key on which it comes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,13 +58,15 @@ def inputs_of(
         sighting=_sighting(state, part, shapes),
         drive=_drive(state, part),
         absence=state.drive_absence,
+        absence_fault=state.drive_fault,
         requests=tuple(request_of(asked) for asked in part.asked.get(state.time_ns, ())),
+        heartbeat=state.heartbeat,
     )
 
 
 def request_of(asked: Asked) -> Request:
     """The request in what was asked; raises CodecError or InvalidMessageError."""
-    request = SERVICES[asked.service].request.from_bytes(asked.request)
+    request = REQUESTS[asked.service].from_bytes(asked.request)
     if not isinstance(request, ActionRequest | Target):
         raise TypeError(f"{asked.service} takes a {type(request).__name__}")
     return request

@@ -9,7 +9,7 @@ from messaging import topics
 from messaging.control import ControllerState, TendonCommand, TendonState
 from messaging.history import Asked, Memory
 from messaging.shape import NodalPoints
-from nodal.replay.cycles import SERVICES, ControlPart
+from nodal.replay.cycles import REQUESTS, ControlPart
 from nodal.replay.frame_sets import FrameSetRecord
 from nodal.replay.sensing import SensingPart
 from nodal.replay.typed import read, time_ns_in
@@ -56,7 +56,7 @@ class _Heard:
 
     def _hear_asked(self, recorded: Recorded) -> None:
         asked = read(recorded, Asked)
-        if asked.service in SERVICES:
+        if asked.service in REQUESTS:
             self.asked[asked.time_ns].append(asked)
         elif asked.service == topics.SENSING_NODES.key and asked.accepted:
             self.named.append((recorded.publish_time_ns, NodalPoints.from_bytes(asked.request)))

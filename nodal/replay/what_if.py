@@ -22,7 +22,7 @@ from nodal.errors import ReplayError
 from nodal.replay import controlling, sensing
 from nodal.replay.comparison import Comparison, compared
 from nodal.replay.controlling import Cycle
-from nodal.replay.cycles import SERVICES, ControlPart
+from nodal.replay.cycles import REQUESTS, ControlPart
 from nodal.replay.frame_sets import FrameSetRecord, never_estimated
 from nodal.replay.script import whole
 from nodal.replay.typed import read
@@ -84,7 +84,7 @@ def _written(path: Path, changes: Table, out: Path) -> Verdict:
     found = Comparison()
     with RecordingWriter(out, bench.settings.recorder) as recording:
         # where other nodal points are reported, those that an operator asked for were never asked for
-        services = {*SERVICES, *({topics.SENSING_NODES.key} if points else ())}
+        services = {*REQUESTS, *({topics.SENSING_NODES.key} if points else ())}
         imagined = _Imagined(recording, bench, controlled, estimates, services)
         first = next(log.messages(), None)
         began_ns = first.log_time_ns if first else 0

@@ -1,16 +1,18 @@
 """What an operator asked, in words. Pure."""
 
-from messaging.control import ActionRequest, Target
+from messaging.control import Action, ActionRequest, Target
 from messaging.errors import CodecError, InvalidMessageError
 from messaging.history import Asked
 from messaging.message import Message
 from messaging.recorder import RecorderRequest
 from messaging.shape import NodalPoints
-from messaging.topics import SERVICES
+from messaging.topics import SERVICES, STOP
 
 
 def request_in_words(asked: Asked) -> str:
     """The request; of one that cannot be read, why."""
+    if asked.service == STOP.key:
+        return "a stop signal"
     service = next((service for service in SERVICES if service.key == asked.service), None)
     if service is None:
         return f"{len(asked.request)} bytes to a service that this version does not know"
@@ -35,6 +37,8 @@ def target_in_words(target: Target) -> str:
 
 def _words(request: Message) -> str:
     match request:
+        case ActionRequest(action=Action.JOG, axis=axis, distance_mm=distance_mm):
+            return f"jog {axis} by {distance_mm:g} mm"
         case ActionRequest(action=action):
             return str(action)
         case Target():

@@ -58,6 +58,7 @@ class VirtualBench:
             sum(section.length_mm for section in settings.robot.sections),
             settings.robot.centreline_points,
             robot.length_mm,
+            _START_S,
             settings.seed,
         )
         self.state = (loop := loop or Loop(controller, robot)).start()
@@ -144,6 +145,7 @@ class VirtualBench:
             sighting=self.seeing.arrived(now_s),
             drive=drive,
             absence=self._drive.absence,
+            absence_fault=self._drive.absence_fault,
             requests=self._asked,
         )
         self.state, outputs = self._loop.step(self.state, inputs)

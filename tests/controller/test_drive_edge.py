@@ -12,7 +12,14 @@ from controller.pace import Pace
 from drivers.actuators import ActuatorError
 
 NOTHING = Outputs(
-    release=False, engage=False, zero_mm=None, command_mm=None, replies=(), accepted=None, reason=""
+    tendons=4,
+    release=False,
+    engage=False,
+    zero_mm=None,
+    command_mm=None,
+    replies=(),
+    accepted=None,
+    reason="",
 )
 COMMAND = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
 

@@ -1,0 +1,316 @@
+"""Finding the slack of every tendon, before the robot is led straight: by the cameras and by current. Pure.
+
+A pair of tendons is pulled one way until the robot follows, and then the other way until it follows again. What the axis
+travels in between without being followed is its lost motion, by play and by friction; its middle is where the search
+leaves the axis. A single tendon is tightened until its current rises. What never answers is slack or snapped; what goes
+another way than the model says is wired or signed the wrong way.
+
+The robot is compared with where the servo stood when the frames were taken, so delay does not count as lost motion.
+"""
+
+import dataclasses
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.errors import FaultError
+from controller.faults import HomingTimeoutError, TendonSlackError, WrongWayError
+from controller.history import History
+from controller.law import SAME_ARC_MM
+from controller.limits import axis_name
+from controller.plant import Plant
+from controller.settings import HomingSettings
+from controller.task import Seen
+from drivers.actuators import ActuatorState
+
+Array = NDArray[np.float64]
+
+_REST_SHAPES = 3
+"""So many shapes in which the robot stands still say where it rests."""
+_CURRENT_S = 0.05
+"""Time constant over which currents are averaged: they jump when a servo starts to move."""
+_THERE_MM = 1e-6
+_SAME_WAY = 0.3
+"""Cosine between the motion that is seen and the model's, below which the two have nothing to do with one another."""
+
+
+class Stroke(StrEnum):
+    """What is done with one axis."""
+
+    REST = "rest"
+    """Stand still and see where the robot is."""
+    FORTH = "forth"
+    BACK = "back"
+    MIDDLE = "middle"
+    """Go to the middle of the lost motion."""
+    TIGHTEN = "tighten"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Rest:
+    """Where nodal points (m, 3) at arc lengths (m,) were when the axis stood still; the mean of `shapes`."""
+
+    arc_mm: Array
+    node_mm: Array
+    shapes: int
+
+    def with_(self, node_mm: Array) -> "Rest":
+        """The mean with one shape more."""
+        mean = (self.shapes * self.node_mm + node_mm) / (self.shapes + 1)
+        return dataclasses.replace(self, node_mm=mean, shapes=self.shapes + 1)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Search:
+    """How far the search has come. Positions and currents are those of `axis`."""
+
+    axis: int
+    stroke: Stroke
+    since_s: float
+    begin_mm: float
+    """Command at which the axis rested."""
+    lost_motion_mm: Array
+    """(A,) of the axes that are done; NaN for the others and where the cameras could not tell."""
+    positions: History
+    current_ma: float
+    """Averaged."""
+    rest_ma: float = 0.0
+    rest: Rest | None = None
+    moved_mm: float = 0.0
+    """How far any nodal point was seen to go, in this stroke."""
+    turn_ma: float = 0.0
+    """Current where the axis turned round."""
+    turn_mm: float = 0.0
+    """Furthest position of the servo."""
+    followed_mm: float = 0.0
+    """Furthest that the robot followed, as the model's displacement of the axis."""
+    goal_mm: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class _Sight:
+    """One shape against the rest: when, how far the robot followed (mm of the axis), and how well that fits the model."""
+
+    capture_s: float
+    followed_mm: float
+    moved_mm: float
+    cosine: float
+
+
+class SlackSearch:
+    """The search on one robot."""
+
+    def __init__(self, settings: HomingSettings, plant: Plant) -> None:
+        """Stages have no slack to be found."""
+        self._settings = settings
+        self._plant = plant
+        self._tendons = plant.kinematics.tendons
+
+    def start(self, command_mm: Array, drive: ActuatorState, now_s: float) -> Search:
+        """At the first axis, with everything at rest."""
+        return self._rest(0, command_mm, drive, np.full(len(command_mm), np.nan), now_s)
+
+    def words(self, search: Search) -> str:
+        """What is being done."""
+        doing = "tightening" if search.stroke is Stroke.TIGHTEN else "finding the slack of"
+        return f"{doing} {self._name(search)}"
+
+    def step(
+        self,
+        search: Search,
+        seen: Seen | None,
+        *,
+        command_mm: Array,
+        drive: ActuatorState,
+        now_s: float,
+        dt_s: float,
+    ) -> tuple[Search, Array, bool]:
+        """The search after this cycle, the command (A,), and whether all axes are done.
+
+        Raises TendonSlackError, WrongWayError or HomingTimeoutError.
+        """
+        axis = search.axis
+        share = min(dt_s / _CURRENT_S, 1.0)
+        search = dataclasses.replace(
+            search,
+            positions=search.positions.then(now_s, drive.position_mm[axis, None]),
+            current_ma=search.current_ma + share * (float(drive.current_ma[axis]) - search.current_ma),
+        )
+        match search.stroke:
+            case Stroke.REST:
+                return self._resting(search, seen, now_s), command_mm, False
+            case Stroke.FORTH:
+                search = self._forth(search, seen, now_s)
+            case Stroke.BACK:
+                search = self._back(search, seen, float(drive.position_mm[axis]), now_s)
+            case Stroke.TIGHTEN if abs(search.current_ma - search.rest_ma) >= self._settings.tension_ma:
+                return self._next(search, command_mm, drive, now_s)
+            case Stroke.MIDDLE if abs(command_mm[axis] - search.goal_mm) < _THERE_MM:
+                return self._next(search, command_mm, drive, now_s)
+        most_mm = self._settings.probe_mm_s * dt_s
+        wanted = command_mm.copy()
+        wanted[axis] += min(max(search.goal_mm - wanted[axis], -most_mm), most_mm)
+        if abs(wanted[axis] - command_mm[axis]) < _THERE_MM and search.stroke is not Stroke.MIDDLE:
+            raise self._unanswered(search)
+        return search, wanted, False
+
+    def _rest(
+        self, axis: int, command_mm: Array, drive: ActuatorState, lost_motion_mm: Array, now_s: float
+    ) -> Search:
+        return Search(
+            axis=axis,
+            stroke=Stroke.REST,
+            since_s=now_s,
+            begin_mm=float(command_mm[axis]),
+            lost_motion_mm=lost_motion_mm,
+            positions=History.of(now_s, drive.position_mm[axis, None]),
+            current_ma=float(drive.current_ma[axis]),
+        )
+
+    def _next(
+        self, search: Search, command_mm: Array, drive: ActuatorState, now_s: float
+    ) -> tuple[Search, Array, bool]:
+        axis = search.axis + 1
+        if axis == self._tendons:
+            return search, command_mm, True
+        return self._rest(axis, command_mm, drive, search.lost_motion_mm, now_s), command_mm, False
+
+    def _resting(self, search: Search, seen: Seen | None, now_s: float) -> Search:
+        """Until the robot was seen standing still often enough."""
+        took_s, limit_s = now_s - search.since_s, self._settings.timeout_s
+        if took_s > limit_s:
+            words = f"the robot does not come to rest within {limit_s:g} s before the slack of {self._name(search)} is sought"
+            raise HomingTimeoutError(words, value=took_s, limit=limit_s, unit="s")
+        if seen is None or seen.capture_s < search.since_s:
+            return search
+        arc_mm, node_mm, rest = seen.shape.node_arc_mm, seen.shape.node_mm, search.rest
+        if (
+            rest is None
+            or not _same_points(rest, arc_mm)
+            or _apart_mm(rest, node_mm) > self._settings.seen_mm / 2
+        ):
+            return dataclasses.replace(search, rest=Rest(arc_mm=arc_mm, node_mm=node_mm, shapes=1))
+        rest = rest.with_(node_mm)
+        search = dataclasses.replace(search, rest=rest)
+        if rest.shapes < _REST_SHAPES:
+            return search
+        paired = bool(self._plant.antagonistic[search.axis])
+        return dataclasses.replace(
+            search,
+            stroke=Stroke.FORTH if paired else Stroke.TIGHTEN,
+            since_s=now_s,
+            rest_ma=search.current_ma,
+            goal_mm=self._reach(search, 1),
+        )
+
+    def _forth(self, search: Search, seen: Seen | None, now_s: float) -> Search:
+        sight = self._sight(search, seen)
+        if sight is not None:
+            search = dataclasses.replace(search, moved_mm=max(search.moved_mm, sight.moved_mm))
+            if sight.moved_mm >= self._settings.seen_mm and sight.cosine <= -_SAME_WAY:
+                raise self._wrong(search, sight.cosine)
+        push_ma = search.current_ma - search.rest_ma
+        if self._follows(sight) or abs(push_ma) >= self._settings.current_rise_ma:
+            position_mm = float(search.positions.values[-1][0])
+            return dataclasses.replace(
+                search,
+                stroke=Stroke.BACK,
+                since_s=now_s,
+                turn_ma=push_ma,
+                turn_mm=position_mm,
+                followed_mm=-np.inf if sight is None else sight.followed_mm,
+                goal_mm=self._reach(search, -1),
+            )
+        return search
+
+    def _back(self, search: Search, seen: Seen | None, position_mm: float, now_s: float) -> Search:
+        search = dataclasses.replace(search, turn_mm=max(search.turn_mm, position_mm))
+        if (sight := self._sight(search, seen)) is not None:
+            search = dataclasses.replace(search, followed_mm=max(search.followed_mm, sight.followed_mm))
+            back_mm = search.followed_mm - sight.followed_mm
+            if back_mm >= self._seen_as_mm(search):
+                there_mm = float(search.positions.at(sight.capture_s)[0])
+                lost_mm = max(search.turn_mm - there_mm - back_mm, 0.0)
+                found = search.lost_motion_mm.copy()
+                found[search.axis] = lost_mm
+                return self._to_middle(search, there_mm + lost_mm / 2, found, now_s)
+        push_ma = search.current_ma - search.rest_ma
+        if abs(push_ma) >= self._settings.current_rise_ma and push_ma * search.turn_ma < 0:
+            return self._to_middle(search, (search.turn_mm + position_mm) / 2, search.lost_motion_mm, now_s)
+        return search
+
+    def _to_middle(self, search: Search, middle_mm: float, lost_motion_mm: Array, now_s: float) -> Search:
+        return dataclasses.replace(
+            search, stroke=Stroke.MIDDLE, since_s=now_s, goal_mm=middle_mm, lost_motion_mm=lost_motion_mm
+        )
+
+    def _sight(self, search: Search, seen: Seen | None) -> _Sight | None:
+        """What a new shape says of this axis; nothing when it shows other nodal points than those of the rest."""
+        rest = search.rest
+        if seen is None or rest is None or not _same_points(rest, seen.shape.node_arc_mm):
+            return None
+        motion = self._motion(search)
+        went = seen.shape.node_mm - rest.node_mm
+        along = float((went * motion).sum())
+        size, expected = float(np.linalg.norm(went)), float(np.linalg.norm(motion))
+        return _Sight(
+            capture_s=seen.capture_s,
+            followed_mm=along / max(expected**2, 1e-12),
+            moved_mm=float(np.linalg.norm(went, axis=1).max()),
+            cosine=along / max(size * expected, 1e-12),
+        )
+
+    def _follows(self, sight: _Sight | None) -> bool:
+        return sight is not None and sight.moved_mm >= self._settings.seen_mm and sight.cosine >= _SAME_WAY
+
+    def _motion(self, search: Search) -> Array:
+        """(m, 3) how the model's nodal points move per mm of the axis."""
+        if search.rest is None:
+            raise TypeError("the search moves an axis before it knows where the robot rests")
+        straight = np.zeros(self._plant.kinematics.axes)
+        return self._plant.kinematics.nodes_and_jacobian(straight, search.rest.arc_mm)[1][..., search.axis]
+
+    def _seen_as_mm(self, search: Search) -> float:
+        """How far the axis must be followed until a nodal point has moved by `seen_mm`."""
+        return self._settings.seen_mm / max(float(np.linalg.norm(self._motion(search), axis=1).max()), 1e-12)
+
+    def _reach(self, search: Search, way: int) -> float:
+        """The furthest command of this axis in one direction."""
+        low, high = self._plant.limits.low_mm[search.axis], self._plant.limits.high_mm[search.axis]
+        return float(min(max(search.begin_mm + way * self._settings.search_mm, low), high))
+
+    def _unanswered(self, search: Search) -> FaultError:
+        if search.moved_mm >= self._settings.seen_mm:
+            return self._wrong(search, 0.0)
+        limit_mm = self._settings.search_mm
+        asked_ma = (
+            self._settings.tension_ma if search.stroke is Stroke.TIGHTEN else self._settings.current_rise_ma
+        )
+        return TendonSlackError(
+            f"{self._name(search)} was moved by {limit_mm:g} mm, and no nodal point moved by {self._settings.seen_mm:g} mm "
+            f"nor did its current rise by {asked_ma:g} mA",
+            value=search.moved_mm,
+            limit=self._settings.seen_mm,
+            unit="mm",
+        )
+
+    def _wrong(self, search: Search, cosine: float) -> FaultError:
+        how = "the opposite way" if cosine < 0 else "sideways"
+        return WrongWayError(
+            f"{self._name(search)} was pulled, and the robot went {how}: wired or signed the wrong way",
+            value=cosine,
+            limit=_SAME_WAY,
+            unit="cosine",
+        )
+
+    def _name(self, search: Search) -> str:
+        return axis_name(search.axis, self._tendons)
+
+
+def _same_points(rest: Rest, arc_mm: Array) -> bool:
+    return rest.arc_mm.shape == arc_mm.shape and bool(np.abs(rest.arc_mm - arc_mm).max() < SAME_ARC_MM)
+
+
+def _apart_mm(rest: Rest, node_mm: Array) -> float:
+    return float(np.linalg.norm(node_mm - rest.node_mm, axis=1).max())
