@@ -92,12 +92,12 @@ class VirtualActuators:
     def read(self) -> ActuatorState:
         """One reading of all servos; raises ActuatorError and WatchdogExpiredError."""
         self._speak()
+        if not self._read(_CONFIGURED).all():
+            raise ServoRestartedError("a servo restarted by itself and forgot its turns; home again")
         if (self._read("bus_watchdog") == WATCHDOG_EXPIRED).any():
             raise WatchdogExpiredError(
                 f"the servos heard nothing for {self._settings.watchdog_ms} ms and stopped"
             )
-        if not self._read(_CONFIGURED).all():
-            raise ServoRestartedError("a servo restarted by itself and forgot its turns; home again")
         position_mm = (self._read("present_position") - self._zero_ticks) * self._mm_per_tick
         speed_mm_s = self._read("present_velocity") * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
         return ActuatorState(

@@ -108,13 +108,13 @@ class VirtualBench:
         """Home to ready; raises VirtualBenchError when that fails."""
         self.run(0.5)
         reply = self.do("home")
+        if not reply.accepted:
+            raise VirtualBenchError(f"homing was refused: {reply.reason}")
         end_s = self.now_s + within_s
-        while reply.accepted and self.state.mode == "homing" and self.now_s < end_s:
+        while self.state.mode == "homing" and self.now_s < end_s:
             self.run(0.1)
         if self.state.mode != "ready":
-            raise VirtualBenchError(
-                f"homing ended in {self.state.mode}: {self.state.supervision.reason if reply.accepted else reply.reason}"
-            )
+            raise VirtualBenchError(f"homing ended in {self.state.mode}: {self.state.supervision.reason}")
 
     def _step(self) -> Samples:
         """The cycles up to the robot's next step, and that step; the sample is of the moment at which they begin."""

@@ -55,7 +55,8 @@ class Samples:
     def error_mm(self, node: str) -> Array:
         """(n,) how far a nodal point is from where it should be; nan while nobody leads it."""
         index = self.node_names.index(node)
-        return np.linalg.norm(self.node_mm[:, index] - self.desired_mm[:, index], axis=1)
+        error_mm: Array = np.linalg.norm(self.node_mm[:, index] - self.desired_mm[:, index], axis=1)
+        return error_mm
 
     def to_bytes(self) -> bytes:
         """Everything, to compare runs by."""

@@ -1,6 +1,6 @@
 """The shape at the rate of a camera: the true centreline with noise, delay and drop-outs. Seeded; no images."""
 
-import math
+import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,22 @@ from nodal.virtual.settings import ShapeSettings
 Array = NDArray[np.float64]
 
 _NS_PER_S = 1_000_000_000
+_NOTHING: Array = np.zeros(0)
 
 
 class Seeing:
     """What sensing would say. Change `settings`, `lost`, `flags` or `refusal` at any moment; shapes under way still arrive."""
 
     def __init__(
-        self, settings: ShapeSettings, length_mm: float, points: int, known_length_mm: float, seed: int
+        self,
+        settings: ShapeSettings,
+        length_mm: float,
+        points: int,
+        known_length_mm: float,
+        start_s: float,
+        seed: int,
     ) -> None:
-        """For a centreline of `points` points, evenly spaced over the true `length_mm`."""
+        """For a centreline of `points` points, evenly spaced over the true `length_mm`; the first is taken after `start_s`."""
         self.settings = settings
         self.lost = False
         """No shape comes any more."""
@@ -30,7 +37,7 @@ class Seeing:
         self._known_length_mm = known_length_mm
         self._random = np.random.default_rng(seed)
         self._sequence = 0
-        self._due_s = -math.inf
+        self._due_s = start_s + float(self._random.random()) / settings.rate_hz
         self._coming: list[tuple[float, float, ShapeEstimate]] = []
 
     def nodes(self, centreline_mm: Array) -> Array:
@@ -41,7 +48,6 @@ class Seeing:
     def look(self, before: tuple[float, Array], after: tuple[float, Array]) -> None:
         """Take every picture that is due between two moments (s) with their centrelines (N, 3)."""
         (before_s, old), (after_s, new) = before, after
-        self._due_s = max(self._due_s, before_s)
         while self._due_s <= after_s:
             share = (self._due_s - before_s) / (after_s - before_s)
             self._take(self._due_s, old + share * (new - old))
@@ -66,30 +72,27 @@ class Seeing:
             return
         delay_s = max(settings.delay_s + settings.jitter_s * (2 * wait - 1), 0.0)
         shape = self._shape(capture_s, delay_s, centreline_mm, noise)
-        self._coming.append((capture_s + delay_s, capture_s, shape))
+        self._coming.append((capture_s + delay_s, capture_s, self._refused(shape) if self.refusal else shape))
 
     def _shape(
         self, capture_s: float, delay_s: float, centreline_mm: Array, noise_mm: Array
     ) -> ShapeEstimate:
-        node_arc = np.asarray(self.settings.node_arc_mm)
-        known = not self.refusal
+        node_arc, names = np.asarray(self.settings.node_arc_mm), self.settings.node_names
         along = np.column_stack([np.interp(self._arc_mm, [0.0, *node_arc], [0.0, *n]) for n in noise_mm.T])
-        names = self.settings.node_names if known else ()
-        variance = self.settings.noise_mm**2
         return ShapeEstimate(
             sequence=self._sequence,
             capture_time_ns=round(capture_s * _NS_PER_S),
             capture_to_publish_ns=round(delay_s * _NS_PER_S),
-            refusal=self.refusal,
+            refusal="",
             method="virtual",
             flags=self.flags,
-            arc_mm=self._arc_mm if known else [],
-            centreline_mm=centreline_mm + along if known else np.zeros((0, 3)),
-            epipolar_angle_rad=[],
+            arc_mm=self._arc_mm,
+            centreline_mm=centreline_mm + along,
+            epipolar_angle_rad=_NOTHING,
             node_names=names,
-            node_arc_mm=node_arc if known else [],
-            node_mm=self.nodes(centreline_mm) + noise_mm if known else np.zeros((0, 3)),
-            node_covariance_mm2=np.tile(variance * np.eye(3), (len(names), 1, 1)),
+            node_arc_mm=node_arc,
+            node_mm=self.nodes(centreline_mm) + noise_mm,
+            node_covariance_mm2=np.tile(self.settings.noise_mm**2 * np.eye(3), (len(names), 1, 1)),
             length_mm=float(self._arc_mm[-1]),
             known_length_mm=self._known_length_mm,
             insertion_mm=float(centreline_mm[0, 2]),
@@ -97,8 +100,20 @@ class Seeing:
             ray_bias_mm=0.0,
             residual_px=0.0,
             camera_names=(),
-            camera_residual_px=[],
-            visible_mm=[],
+            camera_residual_px=_NOTHING,
+            visible_mm=_NOTHING,
             stage_names=(),
-            stage_s=[],
+            stage_s=_NOTHING,
+        )
+
+    def _refused(self, shape: ShapeEstimate) -> ShapeEstimate:
+        return dataclasses.replace(
+            shape,
+            refusal=self.refusal,
+            arc_mm=_NOTHING,
+            centreline_mm=_NOTHING.reshape(0, 3),
+            node_names=(),
+            node_arc_mm=_NOTHING,
+            node_mm=_NOTHING.reshape(0, 3),
+            node_covariance_mm2=_NOTHING.reshape(0, 3, 3),
         )

@@ -118,7 +118,8 @@ def _pull_per_displacement(settings: SimulatedRobotSettings, tendons: int) -> Ar
                 "be even (tendons_per_servo = 1 gives every tendon its own)"
             )
     servos = tendons // 2
-    return np.repeat(np.eye(servos), 2, axis=0) * np.tile([[1.0], [-1.0]], (servos, 1))
+    both_ways: Array = np.repeat(np.eye(servos), 2, axis=0) * np.tile([[1.0], [-1.0]], (servos, 1))
+    return both_ways
 
 
 def _beyond(distance_mm: Array) -> Array:
