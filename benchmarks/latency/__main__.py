@@ -8,6 +8,7 @@ command, the control loop's lateness and rate, and what each process takes of a 
 
 import argparse
 import dataclasses
+import os
 import sys
 import tempfile
 import threading
@@ -47,7 +48,9 @@ def main() -> None:
     benches = {"as installed": bench, **({"real time": in_real_time(bench)} if arguments.fifo else {})}
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
         for name, one in benches.items():
-            print(f"-- {name}, {arguments.seconds:g} s")
+            print(
+                f"-- {name}, {arguments.seconds:g} s, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before"
+            )
             measure(one, Path(folder) / name.replace(" ", "-"), arguments.seconds).show(sys.stdout)
 
 

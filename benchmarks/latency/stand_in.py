@@ -86,9 +86,9 @@ def stand_in(bench_file: Path, playing: Event, stop: Event) -> None:
 
 def _be_hardware() -> None:
     """Hardware waits for no core: every thread of this process goes before all others, where that is allowed."""
-    for thread in os.listdir("/proc/self/task"):
+    for thread in Path("/proc/self/task").iterdir():
         with contextlib.suppress(PermissionError):
-            os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(FIRST))
+            os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(FIRST))
 
 
 def _setups(bench: Bench) -> list[Setup]:
