@@ -29,7 +29,7 @@ from messaging.control import Action, ActionRequest
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.settings import ServoSettings, VirtualBenchSettings
 
-FOLLOWED_S, WATCHED_S = 4.0, 4.0
+FOLLOWED_S, WATCHED_S = 3.0, 4.0
 OVERLOAD = 0x20
 STRONG_MA = 1500.0
 """What the servos may draw, so that there is something above the controller's own limit."""
