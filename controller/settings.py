@@ -14,6 +14,8 @@ Speed = Annotated[float, msgspec.Meta(gt=0, le=500)]
 Travel = Annotated[float, msgspec.Meta(ge=-1000, le=1000)]
 Degrees = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 
+_SHORTEST_HEARTBEAT_S = 0.3
+
 
 class SectionTendons(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One section's tendons: antagonistic pairs, each on one servo, by the angle of the pair's first tendon from +X towards
@@ -135,6 +137,14 @@ class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     """Without an operator's heartbeat for this long a target is no longer followed: the tendons hold. 0 needs no heartbeat."""
     hold_s: Seconds = 10.0
     """After this long without a heartbeat in any state with torque the tendons are let go."""
+
+    def __post_init__(self) -> None:
+        """Check what the bounds of single fields cannot say."""
+        if 0 < self.heartbeat_s < _SHORTEST_HEARTBEAT_S:
+            raise ValueError(
+                f"heartbeat_s {self.heartbeat_s:g} must be 0, or at least {_SHORTEST_HEARTBEAT_S:g}: "
+                "`nodal do watch` gives one every 0.1 s"
+            )
 
 
 class RealTimeSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -12,7 +12,7 @@ from nodal.arithmetic import pin
 COMMANDS = {
     "demo": "bring up the whole bench, drive the tip along a circle, and report",
     "estimate": "the robot's shape from still images, without a running bench",
-    "do": "ask the controller: home, arm, hold, relax, stop, status",
+    "do": "ask the controller: home, arm, hold, pause, resume, abort, jog, relax, stop, status; or watch it",
     "target": "send nodal points to a place, along a circle or along a path",
     "nodes": "name other nodal points while sensing runs",
     "replay": "run sensing and the controller over recordings again, and compare",

@@ -31,8 +31,12 @@ def ask(
         more = and_tell(session, reply)
     if not reply.accepted:
         print(f"nodal: refused: {reply.reason} (state: {reply.state})", file=sys.stderr)
+        if reply.advice:
+            print(f"what to do: {reply.advice}", file=sys.stderr)
         return REFUSED
     print(f"{reply.state}: {reply.reason}" if reply.reason else reply.state)
+    if reply.advice:
+        print(f"what to do: {reply.advice}")
     if more:
         print(more)
     return 0

@@ -70,9 +70,7 @@ def changes_in(words: Sequence[str]) -> Table:
         key, equals, text = word.partition("=")
         steps = key.strip().split(".")
         if not equals or not all(steps) or len(steps) < 2:
-            raise CommandError(
-                f"--set {word!r} is not KEY=VALUE, such as controller.tuning.feedback_per_s=4"
-            )
+            raise CommandError(f"--set {word!r} is not KEY=VALUE, such as controller.tuning.feedback_per_s=4")
         if steps[0] not in HEEDED:
             raise CommandError(f"--set {word!r}: a replay depends on keys of {', '.join(HEEDED)} only")
         table: Table = {steps[-1]: _value(text.strip())}

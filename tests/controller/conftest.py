@@ -110,7 +110,12 @@ class Servos:
     torque: bool = False
     goal_mm: np.ndarray | None = None
     hardware_error: int = 0
-    current_ma: float = 100.0
+    current_ma: float | np.ndarray = 100.0
+    temperature_c: float = 30.0
+    voltage_v: float = 12.0
+    pull_ma: Callable[[np.ndarray], np.ndarray] | None = None
+    """The currents (A,) of positions (A,), where they are more than `current_ma`."""
+    jammed: bool = False
 
     def obey(self, outputs):
         if outputs.release:
@@ -122,7 +127,7 @@ class Servos:
             self.position_mm = outputs.zero_mm.copy()
         if outputs.command_mm is not None:
             self.goal_mm = outputs.command_mm
-        if self.torque and self.goal_mm is not None:
+        if self.torque and self.goal_mm is not None and not self.jammed:
             self.position_mm = self.position_mm + (1 - np.exp(-PERIOD_S / self.lag_s)) * (
                 self.goal_mm - self.position_mm
             )
@@ -137,9 +142,11 @@ class Servos:
             displacement_mm_s=np.zeros(len(self.position_mm) - 1),
             insertion_mm=float(self.position_mm[-1]),
             insertion_mm_s=0.0,
-            current_ma=np.full(len(self.position_mm), self.current_ma),
-            temperature_c=np.full(len(self.position_mm), 30.0),
-            voltage_v=np.full(len(self.position_mm), 12.0),
+            current_ma=self.current_ma + np.zeros(len(self.position_mm))
+            if self.pull_ma is None
+            else self.pull_ma(self.pulled_mm),
+            temperature_c=np.full(len(self.position_mm), self.temperature_c),
+            voltage_v=np.full(len(self.position_mm), self.voltage_v),
             hardware_error=(self.hardware_error,) + (0,) * (len(self.position_mm) - 1),
             torque=self.torque,
         )
@@ -166,8 +173,9 @@ class VirtualBench:
         self.state = self.loop.start()
         self.now_s = 100.0
         self.robot, self.noise_mm, self.arc = robot, noise_mm, np.array(node_arc_mm)
-        self.servos = Servos(position_mm=np.zeros(2 * len(settings.sections) + 1))
-        self.drive_absent = ""
+        self.servos = Servos(position_mm=np.zeros(len(self.state.command_mm)))
+        self.drive_absent = self.drive_fault = ""
+        self.heartbeat = False
         self.extra_delay_s = 0.0
         self.camera: Callable[[ShapeEstimate], ShapeEstimate | None] = lambda shape: shape
         self._random = np.random.default_rng(seed)
@@ -191,11 +199,16 @@ class VirtualBench:
         """One action; returns its reply."""
         return self.run(duration_s, ActionRequest(action=Action(action)))[1][0]
 
+    def jog(self, axis, distance_mm, duration_s=PERIOD_S):
+        """Jog one axis; returns the reply."""
+        request = ActionRequest(action=Action.JOG, axis=axis, distance_mm=distance_mm)
+        return self.run(duration_s, request)[1][0]
+
     def home(self):
         """Home to ready, or fail the test."""
         self.run(0.2)
         assert self.do("home").accepted
-        for _ in range(2000):
+        for _ in range(4000):
             if self.cycle(()).state.mode != "homing":
                 break
         assert self.state.mode == "ready", self.state.supervision
@@ -212,7 +225,9 @@ class VirtualBench:
             sighting=sighting,
             drive=None if self.drive_absent else self.servos.state(),
             absence=self.drive_absent,
+            absence_fault=self.drive_fault,
             requests=tuple(requests),
+            heartbeat=self.heartbeat,
         )
         self.state, outputs = self.loop.step(self.state, inputs)
         if not self.drive_absent:
