@@ -61,9 +61,8 @@ def run(
     try:
         while not stop.is_set():
             beat = pace.wait()
-            reading = drive.read(
-                beat.now_s
-            )  # takes longest, so that what comes meanwhile is seen in this cycle
+            # the servos' answer takes longest: what comes meanwhile is seen in this cycle
+            reading = drive.read(beat.now_s)
             inputs = Inputs(
                 now_s=beat.now_s,
                 dt_s=beat.dt_s,
@@ -90,11 +89,8 @@ def run(
                 wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes(), publication=number))
             if state.mode is not before.mode:
                 logger.info("%s: %s", state.mode, outputs.reason)
-            punctuality.note(timing, said.command)
-            if warning := punctuality.warning(beat.overruns, beat.now_s):
-                logger.warning("%s", warning)
-            if summary := punctuality.summary(beat.overruns, beat.now_s):
-                logger.info("%s", summary)
+            for level, line in punctuality.told(timing, said.command, beat.now_s):
+                logger.log(level, "%s", line)
             healthy()
             if beat.cycle % _CYCLES_PER_COLLECTION == 0:
                 gc.collect(0)

@@ -1,5 +1,8 @@
 """How well cycles keep time, in words for the log: missed deadlines soon but not often, percentiles once a minute. Pure."""
 
+import logging
+from collections.abc import Iterator
+
 import numpy as np
 
 from controller.account import Timing
@@ -21,31 +24,26 @@ class Punctuality:
         self._late_s: list[float] = []
         self._age_s: list[float] = []
 
-    def note(self, timing: Timing, command: TendonCommand | None) -> None:
-        """One cycle has passed."""
+    def told(self, timing: Timing, command: TendonCommand | None, now_s: float) -> Iterator[tuple[int, str]]:
+        """One more cycle has passed: what is to be logged of it, with its level."""
         self._late_s.append(timing.lateness_s)
         if command is not None and command.capture_to_command_ns >= 0:
             self._age_s.append(command.capture_to_command_ns * 1e-9)
+        missed = timing.overruns - self._warned_of
+        if missed and now_s >= self._may_warn_at_s:
+            self._warned_of, self._may_warn_at_s = timing.overruns, now_s + _WARN_AGAIN_S
+            yield logging.WARNING, f"{missed} cycles were missed, {timing.overruns} since the start"
+        if now_s >= self._summary_at_s:
+            yield logging.INFO, self._summary(timing.overruns - self._before)
+            self._summary_at_s, self._before = now_s + _SUMMARY_S, timing.overruns
+            self._late_s.clear()
+            self._age_s.clear()
 
-    def warning(self, overruns: int, now_s: float) -> str:
-        """How many deadlines were missed since the last warning; nothing when there is none, or it was just now."""
-        fresh = overruns - self._warned_of
-        if not fresh or now_s < self._may_warn_at_s:
-            return ""
-        self._warned_of, self._may_warn_at_s = overruns, now_s + _WARN_AGAIN_S
-        return f"{fresh} cycles were missed, {overruns} since the start"
-
-    def summary(self, overruns: int, now_s: float) -> str:
-        """The last minute, once it is over; nothing before."""
-        if now_s < self._summary_at_s:
-            return ""
-        words = [f"cycles {_percentiles(self._late_s)} late, {overruns - self._before} missed"]
+    def _summary(self, missed: int) -> str:
+        words = f"cycles {_percentiles(self._late_s)} late, {missed} missed"
         if self._age_s:
-            words.append(f"capture to command {_percentiles(self._age_s)} of {len(self._age_s)} shapes")
-        self._summary_at_s, self._before = now_s + _SUMMARY_S, overruns
-        self._late_s.clear()
-        self._age_s.clear()
-        return "; ".join(words)
+            words += f"; capture to command {_percentiles(self._age_s)} of {len(self._age_s)} shapes"
+        return words
 
 
 def _percentiles(values_s: list[float]) -> str:

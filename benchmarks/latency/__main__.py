@@ -83,12 +83,13 @@ def measure(bench: Bench, path: Path, seconds: float) -> Figures:
         place_mm = _place_mm(launcher, telemetry, node)
         operator.follow(targets.points({node: place_mm}, {}), SETTLE_S)
         pids = {name: child.pid for name, child in launcher.children.items()} | {"stand-in": stand_in.pid}
-        before = {name: cpu_time_s(pid) for name, pid in pids.items() if pid is not None}
+        running = {name: pid for name, pid in pids.items() if pid is not None}
+        before = {name: cpu_time_s(pid) for name, pid in running.items()}
         begin_ns = time.time_ns()
         operator.follow(targets.points({node: place_mm}, {}), seconds)
         end_ns = time.time_ns()
         cores = {
-            name: (cpu_time_s(pids[name]) - before_s) / (end_ns - begin_ns) * 1e9
+            name: (cpu_time_s(running[name]) - before_s) / (end_ns - begin_ns) * 1e9
             for name, before_s in before.items()
         }
         operator.relax()

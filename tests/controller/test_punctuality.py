@@ -1,5 +1,6 @@
 """Time kept and missed: a grid of deadlines, commands that never make up for a stall at once, and words for the log."""
 
+import logging
 import time
 
 import pytest
@@ -46,8 +47,8 @@ def test_a_stall_is_counted_and_not_made_up_for_at_once(clock):
     )
 
 
-def timing(lateness_s=0.0001):
-    return Timing(written_s=0.0, time_ns=0, lateness_s=lateness_s, busy_s=0.0, overruns=0)
+def timing(lateness_s=0.0001, overruns=0):
+    return Timing(written_s=0.0, time_ns=0, lateness_s=lateness_s, busy_s=0.0, overruns=overruns)
 
 
 def command(age_ns):
@@ -58,26 +59,35 @@ def command(age_ns):
 
 def test_missed_cycles_are_told_at_once_and_then_rarely():
     punctuality = Punctuality(0.0)
-    assert punctuality.warning(0, 1.0) == ""
-    assert punctuality.warning(2, 1.1) == "2 cycles were missed, 2 since the start"
-    assert [punctuality.warning(count, 1.1 + count / 10) for count in range(3, 40)] == [""] * 37
-    assert punctuality.warning(40, 6.2) == "38 cycles were missed, 40 since the start"
-    assert punctuality.warning(40, 20.0) == ""
+
+    def told(overruns, now_s):
+        return list(punctuality.told(timing(overruns=overruns), None, now_s))
+
+    assert told(0, 1.0) == []
+    assert told(2, 1.1) == [(logging.WARNING, "2 cycles were missed, 2 since the start")]
+    assert [told(count, 1.1 + count / 10) for count in range(3, 40)] == [[]] * 37
+    assert told(40, 6.2) == [(logging.WARNING, "38 cycles were missed, 40 since the start")]
+    assert told(40, 20.0) == []
 
 
 def test_a_minute_is_summed_up_once():
     punctuality = Punctuality(0.0)
+
+    def told(now_s, lateness_s, overruns=3, age_ns=-1):
+        return [
+            line
+            for level, line in punctuality.told(timing(lateness_s, overruns), command(age_ns), now_s)
+            if level == logging.INFO
+        ]
+
     for cycle in range(100):
-        punctuality.note(timing(cycle * 1e-5), command(20_000_000 if cycle % 10 == 0 else -1))
-    punctuality.note(timing(), None)
-    assert punctuality.summary(3, 59.9) == ""
-    assert punctuality.summary(3, 60.0) == (
-        "cycles p50 0.5, p99 1.0, at most 1.0 ms late, 3 missed; "
-        "capture to command p50 20.0, p99 20.0, at most 20.0 ms of 10 shapes"
-    )
-    punctuality.note(timing(0.002), None)
-    assert punctuality.summary(5, 90.0) == ""
-    assert punctuality.summary(5, 120.0) == "cycles p50 2.0, p99 2.0, at most 2.0 ms late, 2 missed"
+        assert told(cycle * 0.5, cycle * 1e-5, age_ns=20_000_000 if cycle % 10 == 0 else -1) == []
+    (summary,) = told(60.0, 0.0)
+    cycles, commands = summary.split("; ")
+    assert cycles == "cycles p50 0.5, p99 1.0, at most 1.0 ms late, 3 missed"
+    assert commands == "capture to command p50 20.0, p99 20.0, at most 20.0 ms of 10 shapes"
+    assert told(90.0, 0.002) == []
+    assert told(120.0, 0.002, overruns=5) == ["cycles p50 2.0, p99 2.0, at most 2.0 ms late, 2 missed"]
 
 
 def test_real_sleep_wakes_at_the_deadline_or_later():
