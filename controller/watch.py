@@ -4,6 +4,7 @@ Pure; thresholds from settings. Each fault says its reason, the value and the li
 """
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,9 +97,9 @@ class Watch:
         self, drive: ActuatorState, command_mm: Array, trouble: Trouble, now_s: float
     ) -> tuple[Trouble, list[FaultError]]:
         """What is wrong with this reading of the drive, which was sent to `command_mm` (A,) a cycle ago."""
-        limits, low_high_v = self._limits, self._limits.voltage_v
+        limits, (low_v, high_v) = self._limits, self._limits.voltage_v
         behind_mm = np.abs(drive.position_mm - command_mm)
-        unpowered = (drive.voltage_v < low_high_v[0]) | (drive.voltage_v > low_high_v[1])
+        unpowered = (drive.voltage_v < low_v) | (drive.voltage_v > high_v)
         trouble = dataclasses.replace(
             trouble,
             current_since_s=_since(
@@ -107,61 +108,59 @@ class Watch:
             following_since_s=_since(behind_mm > limits.following_mm, trouble.following_since_s, now_s),
             voltage_since_s=_since(unpowered, trouble.voltage_since_s, now_s),
         )
-        faults: list[FaultError] = []
+        return trouble, [*self._alarms(drive), *self._strains(drive, behind_mm, trouble, now_s)]
+
+    def _alarms(self, drive: ActuatorState) -> Iterator[FaultError]:
+        """What may not be for a single cycle."""
+        plant, limit_c = self._plant.limits, self._limits.temperature_c
         if any(drive.hardware_error):
             bits = ", ".join(
                 f"{self._name(axis)} 0x{error:02x}"
                 for axis, error in enumerate(drive.hardware_error)
                 if error
             )
-            faults.append(ServoAlarmError(f"hardware error bits: {bits}"))
+            yield ServoAlarmError(f"hardware error bits: {bits}")
         if not drive.torque:
-            faults.append(TorqueLostError("a servo let its tendon go by itself"))
-        if beyond := self._plant.limits.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
-            faults.append(TravelError("; ".join(beyond)))
-        if (axis := _lasting(trouble.current_since_s, limits.current_grace_s, now_s)) is not None:
-            faults.append(
-                ExcessCurrentError(
-                    f"{self._name(axis)} draws {drive.current_ma[axis]:.0f} mA for more than "
-                    f"{limits.current_grace_s:g} s; at most {limits.current_ma:g} mA are allowed",
-                    value=abs(drive.current_ma[axis]),
-                    limit=limits.current_ma,
-                    unit="mA",
-                )
+            yield TorqueLostError("a servo let its tendon go by itself")
+        if beyond := plant.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
+            axis = int(
+                np.maximum(drive.position_mm - plant.high_mm, plant.low_mm - drive.position_mm).argmax()
             )
-        if (drive.temperature_c > limits.temperature_c).any():
+            value = float(drive.position_mm[axis])
+            limit = plant.high_mm[axis] if value > plant.high_mm[axis] else plant.low_mm[axis]
+            yield TravelError("; ".join(beyond), value=value, limit=limit, unit="mm")
+        if (drive.temperature_c > limit_c).any():
             axis = int(drive.temperature_c.argmax())
-            faults.append(
-                TooHotError(
-                    f"the servo of {self._name(axis)} has {drive.temperature_c[axis]:.0f} C; "
-                    f"at most {limits.temperature_c:g} C are allowed",
-                    value=drive.temperature_c[axis],
-                    limit=limits.temperature_c,
-                    unit="C",
-                )
+            value = float(drive.temperature_c[axis])
+            words = f"the servo of {self._name(axis)} has {value:.0f} C; at most {limit_c:g} C are allowed"
+            yield TooHotError(words, value=value, limit=limit_c, unit="C")
+
+    def _strains(
+        self, drive: ActuatorState, behind_mm: Array, trouble: Trouble, now_s: float
+    ) -> Iterator[FaultError]:
+        """What may be for a moment."""
+        limits = self._limits
+        if (axis := _lasting(trouble.current_since_s, limits.current_grace_s, now_s)) is not None:
+            value, limit = abs(float(drive.current_ma[axis])), limits.current_ma
+            words = (
+                f"{self._name(axis)} draws {value:.0f} mA for more than {limits.current_grace_s:g} s; "
+                f"at most {limit:g} mA are allowed"
             )
+            yield ExcessCurrentError(words, value=value, limit=limit, unit="mA")
         if (axis := _lasting(trouble.voltage_since_s, limits.voltage_grace_s, now_s)) is not None:
-            volts = float(drive.voltage_v[axis])
-            faults.append(
-                SupplyVoltageError(
-                    f"the servo of {self._name(axis)} has {volts:.1f} V for more than {limits.voltage_grace_s:g} s; "
-                    f"{low_high_v[0]:g} to {low_high_v[1]:g} V are allowed",
-                    value=volts,
-                    limit=low_high_v[volts > low_high_v[1]],
-                    unit="V",
-                )
+            value, (low, high) = float(drive.voltage_v[axis]), limits.voltage_v
+            words = (
+                f"the servo of {self._name(axis)} has {value:.1f} V for more than {limits.voltage_grace_s:g} s; "
+                f"{low:g} to {high:g} V are allowed"
             )
+            yield SupplyVoltageError(words, value=value, limit=high if value > high else low, unit="V")
         if (axis := _lasting(trouble.following_since_s, limits.following_grace_s, now_s)) is not None:
-            faults.append(
-                NotFollowingError(
-                    f"{self._name(axis)} stands {behind_mm[axis]:.2f} mm from where it was sent for more than "
-                    f"{limits.following_grace_s:g} s; {limits.following_mm:g} mm are allowed",
-                    value=behind_mm[axis],
-                    limit=limits.following_mm,
-                    unit="mm",
-                )
+            value, limit = float(behind_mm[axis]), limits.following_mm
+            words = (
+                f"{self._name(axis)} stands {value:.2f} mm from where it was sent for more than "
+                f"{limits.following_grace_s:g} s; {limit:g} mm are allowed"
             )
-        return trouble, faults
+            yield NotFollowingError(words, value=value, limit=limit, unit="mm")
 
     def pushed(self, trouble: Trouble, now_s: float) -> list[FaultError]:
         """Commands that were cut short at the end of a travel for too long."""

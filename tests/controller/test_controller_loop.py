@@ -10,7 +10,7 @@ import pytest
 
 from controller.law import Law
 from controller.loop import Loop
-from controller.settings import ControllerSettings, HomingSettings, LimitSettings, SectionTendons
+from controller.settings import ControllerSettings, HomingSettings, SectionTendons
 from controller.supervisor import Mode
 from messaging.control import Action, ActionRequest, State, Target
 from messaging.settings import RobotSettings

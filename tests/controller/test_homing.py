@@ -9,15 +9,15 @@ from nodal.virtual.bench import VirtualBench
 from nodal.virtual.settings import VirtualBenchSettings
 
 PERIOD_S = 0.005
-SINGLE = SectionTendons(tendon_angle_deg=(0.0, 120.0, 240.0))
+SINGLE = ControllerSettings(sections=(SectionTendons(tendon_angle_deg=(0.0, 120.0, 240.0)),) * 2)
 
 
 @pytest.fixture
 def bench_of(stand_ins):
-    """A bench around a paper robot: its section settings, homing settings, and what is wrong with the robot."""
+    """A bench around a paper robot: its settings, and what is wrong with the robot."""
 
-    def make(sections=ControllerSettings().sections, homing=HomingSettings(), **robot):
-        settings = ControllerSettings(sections=sections, homing=homing)
+    def make(*, settings=None, **robot):
+        settings = settings or ControllerSettings()
         paper = stand_ins["PaperRobot"](settings.kinematics(stand_ins["ROBOT"]), **robot)
         return stand_ins["VirtualBench"](paper, settings)
 
@@ -61,7 +61,7 @@ def bench_middle(searching):
 
 def test_the_search_is_slow_short_and_says_what_it_does(bench_of):
     settings = HomingSettings(probe_mm_s=1.0, search_mm=1.5)
-    bench = bench_of(homing=settings)
+    bench = bench_of(settings=ControllerSettings(homing=settings))
     moments = [moment for moment in homing(bench) if moment.state.search is not None]
     commands = np.array([moment.state.command_mm for moment in moments])
     assert np.abs(np.diff(commands, axis=0)).max() <= settings.probe_mm_s * PERIOD_S * 1.001
@@ -72,7 +72,7 @@ def test_the_search_is_slow_short_and_says_what_it_does(bench_of):
 
 
 def test_without_the_search_the_robot_is_led_straight_at_once(bench_of):
-    bench = bench_of(homing=HomingSettings(find_slack=False))
+    bench = bench_of(settings=ControllerSettings(homing=HomingSettings(find_slack=False)))
     moments = homing(bench)
     assert bench.state.mode == "ready"
     assert moments[0].state.task is not None
@@ -104,7 +104,7 @@ def test_swapped_tendons_go_sideways(bench_of):
 
 
 def test_a_robot_that_keeps_moving_is_not_probed(bench_of):
-    bench = bench_of(homing=HomingSettings(timeout_s=1.0))
+    bench = bench_of(settings=ControllerSettings(homing=HomingSettings(timeout_s=1.0)))
     still = bench.robot.move
     bench.robot.move = lambda command_mm, dt_s: still(command_mm, dt_s) + 20 * (bench.now_s - 100.0)
     fault = homing(bench)[-1]
@@ -114,7 +114,9 @@ def test_a_robot_that_keeps_moving_is_not_probed(bench_of):
 
 def test_current_ends_a_stroke_that_no_camera_sees(bench_of):
     bench = bench_of(gain=np.array([0.8, 0.8, 0.8, 0.0]), offset_mm=(0.1, 0.1, -0.1))
-    bench.servos.pull_ma = lambda pulled_mm: 900 * np.clip(pulled_mm - 0.3, 0, None) + 900 * np.clip(pulled_mm + 0.3, None, 0)
+    bench.servos.pull_ma = lambda pulled_mm: (
+        900 * np.clip(pulled_mm - 0.3, 0, None) + 900 * np.clip(pulled_mm + 0.3, None, 0)
+    )
     homing(bench)
     assert bench.state.mode == "ready", bench.state.supervision
     assert np.isnan(bench.state.lost_motion_mm[3])
@@ -123,7 +125,7 @@ def test_current_ends_a_stroke_that_no_camera_sees(bench_of):
 
 def test_single_tendons_are_tightened_one_after_the_other(bench_of):
     taut_mm = np.array([0.5, 0.2, 1.0, 0.3, 0.7, 0.4, np.inf])
-    bench = bench_of(sections=(SINGLE, SINGLE), gain=0.0, offset_mm=(0.0, 0.0, 0.0))
+    bench = bench_of(settings=SINGLE, gain=0.0, offset_mm=(0.0, 0.0, 0.0))
     bench.servos.pull_ma = lambda pulled_mm: 400 * np.clip(pulled_mm - taut_mm, 0, None)
     moments = [moment for moment in homing(bench) if moment.state.search is not None]
     tightened_mm = moments[-1].state.command_mm[:6]
@@ -132,7 +134,7 @@ def test_single_tendons_are_tightened_one_after_the_other(bench_of):
 
 
 def test_a_single_tendon_that_never_pulls_is_named(bench_of):
-    bench = bench_of(sections=(SINGLE, SINGLE), gain=0.0)
+    bench = bench_of(settings=SINGLE, gain=0.0)
     fault = homing(bench)[-1]
     assert "tendon 1 was moved by 3 mm" in fault.outputs.reason
     assert "80 mA" in fault.outputs.reason
