@@ -11,7 +11,7 @@ from controller.motion import Motion
 from controller.plant import Plant
 from controller.reachability import check_target
 from controller.settings import ControllerSettings
-from controller.supervisor import Supervision
+from controller.supervisor import Mode, Supervision
 from messaging.control import Action, ActionRequest, Reply, Target
 
 _NEED_SHAPES = (Action.HOME, Action.ARM)
@@ -39,7 +39,7 @@ class Orders:
     def refusal(self, request: Request, state: LoopState, inputs: Inputs) -> str:
         """Why what was asked cannot be done whatever the mode; nothing when it can."""
         if isinstance(request, Target):
-            return self._target_refusal(request, state)
+            return self._target_refusal(request, state, inputs.now_s)
         return next(self._reasons(request, state, inputs), "")
 
     def _reasons(self, request: ActionRequest, state: LoopState, inputs: Inputs) -> Iterator[str]:
@@ -88,11 +88,15 @@ class Orders:
             for request, refusal in zip(requests, refusals, strict=True)
         )
 
-    def _target_refusal(self, target: Target, state: LoopState) -> str:
+    def _target_refusal(self, target: Target, state: LoopState, now_s: float) -> str:
         seen = state.seen
         arcs = {} if seen is None else dict(zip(seen.shape.node_names, seen.shape.node_arc_mm, strict=True))
+        start_mm = None
+        if seen is not None and not tasks.missing_nodes(target.node_names, seen.shape):
+            led = state.task if state.mode is Mode.TRACKING else None
+            start_mm = tasks.starting_points(target, seen, led, now_s).node_mm
         try:
-            check_target(target, arcs, self._plant, self._settings)
+            check_target(target, arcs, self._plant, self._settings, start_mm=start_mm)
         except TargetError as error:
             return str(error)
         return ""

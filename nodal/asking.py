@@ -25,10 +25,21 @@ def ask(
     """
     settings = load_bench(config).settings
     with open_session(settings.zenoh, settings.name, "operator") as session:
-        reply = session.ask(service, request, timeout_s)
-        if not isinstance(reply, Reply):
-            raise TypeError(f"{service.key} answers with {type(reply).__name__}, not with a Reply")
+        reply = answer(session, service, request, timeout_s)
         more = and_tell(session, reply)
+    return tell(reply, more)
+
+
+def answer(session: Session, service: Service, request: Message, timeout_s: float) -> Reply:
+    """What comes back; raises UnansweredError."""
+    reply = session.ask(service, request, timeout_s)
+    if not isinstance(reply, Reply):
+        raise TypeError(f"{service.key} answers with {type(reply).__name__}, not with a Reply")
+    return reply
+
+
+def tell(reply: Reply, more: str = "") -> int:
+    """Say an answer, and what else was found out, and return the exit status."""
     if not reply.accepted:
         print(f"nodal: refused: {reply.reason} (state: {reply.state})", file=sys.stderr)
         if reply.advice:

@@ -1,70 +1,261 @@
-"""`nodal target`: where nodal points should go. The controller checks the target and answers before anything moves."""
+"""`nodal target`: where nodal points should go. Targets are checked, and answered, before anything moves."""
 
 import argparse
-from collections.abc import Callable
+import re
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from nodal.arguments import add_config_argument, add_timeout_argument
 
+if TYPE_CHECKING:
+    from controller.planning.space import Space
+    from nodal.bench_file import BenchSettings
+    from nodal.targets.preparing import Asked
+    from nodal.targets.present import Present
+
+TIMINGS = ("minimum-jerk", "trapezoid")
+_EASY = 0.5
+"""Share of the highest speed that a motion takes when nothing was said of how fast."""
+_PLACES = {1: "NUMBER", 2: "X,Y", 3: "X,Y,Z"}
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """`point`, `circle` and `file`."""
+    """One subcommand for each kind of target."""
     add_config_argument(parser)
     add_timeout_argument(parser)
     kinds = parser.add_subparsers(required=True, metavar="KIND")
 
-    point = kinds.add_parser("point", help="hold nodal points at places: tip=10,0,75 middle=5,0,40")
+    point = _kind(
+        kinds, "point", "hold nodal points at places", "tip=10,0,75 middle=5,0,40 --weight middle=0.2"
+    )
     point.add_argument("places", nargs="+", type=_named(3), metavar="NAME=X,Y,Z")
     _add_weight(point)
-    point.set_defaults(target=_points)
+    _add_pace(point, "without one of these, points go straight there as fast as the bench file allows")
+    point.set_defaults(asked=_point)
 
-    circle = kinds.add_parser("circle", help="lead one nodal point round a level circle")
+    jog = _kind(kinds, "jog", "move one nodal point by so much from where it is", "tip +5,0,0")
+    jog.add_argument("node", metavar="NAME")
+    jog.add_argument("by", type=_numbers(3), metavar="DX,DY,DZ")
+    _add_pace(jog)
+    jog.set_defaults(asked=_jog)
+
+    line = _kind(kinds, "line", "lead one nodal point along a line", "tip 10,0,85 -10,0,85 --duration 4")
+    line.add_argument("node", metavar="NAME")
+    line.add_argument("start", type=_numbers(3), metavar="X,Y,Z")
+    line.add_argument("end", type=_numbers(3), metavar="X,Y,Z")
+    line.add_argument("--repeat", action="store_true", help="there and back, again and again")
+    _add_pace(line)
+    line.set_defaults(asked=_line)
+
+    spline = _kind(
+        kinds, "spline", "lead one nodal point along a smooth curve", "tip 10,0,85 0,10,88 -10,0,85"
+    )
+    spline.add_argument("node", metavar="NAME")
+    spline.add_argument("places", nargs="+", type=_numbers(3), metavar="X,Y,Z", help="three or more")
+    spline.add_argument(
+        "--closed", action="store_true", help="back to the first, again and again, at one speed"
+    )
+    _add_pace(spline)
+    spline.set_defaults(asked=_spline)
+
+    circle = _kind(kinds, "circle", "lead one nodal point round a circle", "tip --radius 10 --axis 0,1,4")
     circle.add_argument("node", metavar="NAME")
     circle.add_argument("--radius", type=float, default=15.0, metavar="MM", help="default 15")
-    circle.add_argument("--period", type=float, default=10.0, metavar="S", help="default 10")
-    circle.add_argument("--height", type=float, default=70.0, metavar="MM", help="default 70")
+    circle.add_argument(
+        "--period", type=float, metavar="S", help="of one round; default 10, or as fast as it goes"
+    )
+    circle.add_argument("--height", type=float, default=70.0, metavar="MM", help="of the centre; default 70")
     circle.add_argument("--centre", type=_numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0")
-    circle.set_defaults(target=_circle)
+    circle.add_argument(
+        "--axis",
+        type=_numbers(3),
+        default=[0.0, 0.0, 1.0],
+        metavar="X,Y,Z",
+        help="tilts it; default 0,0,1: level",
+    )
+    circle.set_defaults(asked=_circle)
 
-    path = kinds.add_parser(
-        "file", help="a path from a CSV file: time_s,NAME.x,NAME.y,NAME.z,... in s and mm"
+    path = _kind(
+        kinds, "file", "a path from a CSV file: time_s,NAME.x,NAME.y,NAME.z,... in s and mm", "path.csv"
     )
     path.add_argument("file", type=Path, metavar="CSV")
     path.add_argument("--repeat", action="store_true", help="begin again when the end is reached")
     _add_weight(path)
-    path.set_defaults(target=_path)
+    path.set_defaults(asked=_path)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask the controller to follow the target; 0 when it accepts, 3 when it refuses."""
+    """Have the target followed: 0 when it is accepted (with --wait: when it has arrived), 3 when it is refused or fails."""
+    from controller.errors import TargetError  # noqa: PLC0415
+    from controller.planning.space import Space  # noqa: PLC0415
+    from controller.plant import Plant  # noqa: PLC0415
+    from nodal.asking import REFUSED  # noqa: PLC0415
+    from nodal.bench_file import load_bench  # noqa: PLC0415
+
+    bench = load_bench(arguments.config).settings
+    space = Space(Plant.of(bench.controller, bench.robot))
+    asked: Asked = arguments.asked(arguments, _EASY * bench.controller.maximum_node_speed_mm_s)
+    try:
+        if arguments.check:
+            return _checked(asked, arguments, bench, space)
+        return _sent(asked, arguments, bench, space)
+    except TargetError as error:
+        print(f"nodal: refused: {error}", file=sys.stderr)
+        return REFUSED
+
+
+def _checked(asked: "Asked", arguments: argparse.Namespace, bench: "BenchSettings", space: "Space") -> int:
+    from nodal.targets.preparing import prepared, summary  # noqa: PLC0415
+    from nodal.targets.present import Present  # noqa: PLC0415
+
+    present = Present.straight(bench, space)
+    ready = prepared(asked, present, space.plant, bench.controller, planned=arguments.plan)
+    print(f"target {ready.target.name} can be reached from {present.words}; nothing was moved")
+    print("\n".join([*ready.notes, summary(ready.target, present, space.plant, bench.controller)]))
+    return 0
+
+
+def _sent(asked: "Asked", arguments: argparse.Namespace, bench: "BenchSettings", space: "Space") -> int:
+    from messaging.session import open_session  # noqa: PLC0415
     from messaging.topics import CONTROLLER_TARGET  # noqa: PLC0415
-    from nodal.asking import ask  # noqa: PLC0415
+    from nodal.asking import answer, tell  # noqa: PLC0415
+    from nodal.errors import CommandError  # noqa: PLC0415
+    from nodal.targets.following import follow  # noqa: PLC0415
+    from nodal.targets.preparing import prepared  # noqa: PLC0415
+    from nodal.targets.present import Present  # noqa: PLC0415
 
-    return ask(arguments.config, CONTROLLER_TARGET, arguments.target(arguments), arguments.timeout)
+    with open_session(bench.zenoh, bench.name, "operator") as session:
+        present = Present.on(session, space, arguments.timeout)
+        ready = prepared(asked, present, space.plant, bench.controller, planned=arguments.plan)
+        if arguments.wait and ready.target.repeat:
+            raise CommandError(f"target {ready.target.name} repeats for ever; --wait would never end")
+        reply = answer(session, CONTROLLER_TARGET, ready.target, arguments.timeout)
+        status = tell(reply, "\n".join(ready.notes))
+        if arguments.wait and reply.accepted:
+            return follow(session, ready.target.name, arguments.timeout)
+    return status
 
 
-def _points(arguments: argparse.Namespace) -> object:
+def _point(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
     from nodal import targets  # noqa: PLC0415
+    from nodal.targets.preparing import moved  # noqa: PLC0415
 
-    return targets.points(dict(arguments.places), _weights(arguments))
+    target = targets.points(dict(arguments.places), _weights(arguments))
+    if arguments.duration is None and arguments.speed is None:
+        return _asked(arguments, lambda _: target, timing_is_ours=True)
+    pace = _pace(arguments, easy_mm_s)
+    return _asked(arguments, lambda present: moved(target, present, pace), timing_is_ours=False)
 
 
-def _circle(arguments: argparse.Namespace) -> object:
-    from nodal import targets  # noqa: PLC0415
+def _jog(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
+    from nodal.targets.preparing import jogged  # noqa: PLC0415
 
-    return targets.circle(
-        arguments.node,
-        radius_mm=arguments.radius,
-        period_s=arguments.period,
-        height_mm=arguments.height,
-        centre_mm=tuple(arguments.centre),
+    pace = _pace(arguments, easy_mm_s)
+    return _asked(
+        arguments,
+        lambda present: jogged(arguments.node, arguments.by, present, pace),
+        timing_is_ours=not pace.fixed,
     )
 
 
-def _path(arguments: argparse.Namespace) -> object:
+def _line(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
     from nodal import targets  # noqa: PLC0415
 
-    return targets.path(arguments.file, _weights(arguments), repeat=arguments.repeat)
+    pace = _pace(arguments, easy_mm_s)
+    target = targets.line(arguments.node, arguments.start, arguments.end, pace, repeat=arguments.repeat)
+    return _asked(arguments, lambda _: target, timing_is_ours=not pace.fixed)
+
+
+def _spline(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
+    from nodal import targets  # noqa: PLC0415
+
+    pace = _pace(arguments, easy_mm_s)
+    target = targets.spline(arguments.node, arguments.places, pace, closed=arguments.closed)
+    return _asked(arguments, lambda _: target, timing_is_ours=not pace.fixed)
+
+
+def _circle(arguments: argparse.Namespace, _: float) -> "Asked":
+    from nodal import targets  # noqa: PLC0415
+
+    target = targets.circle(
+        arguments.node,
+        radius_mm=arguments.radius,
+        period_s=10.0 if arguments.period is None else arguments.period,
+        height_mm=arguments.height,
+        centre_mm=tuple(arguments.centre),
+        axis=tuple(arguments.axis),
+    )
+    return _asked(arguments, lambda _: target, timing_is_ours=arguments.period is None)
+
+
+def _path(arguments: argparse.Namespace, _: float) -> "Asked":
+    from nodal import targets  # noqa: PLC0415
+
+    target = targets.path(arguments.file, _weights(arguments), repeat=arguments.repeat)
+    return _asked(arguments, lambda _: target, timing_is_ours=False)
+
+
+def _asked(
+    arguments: argparse.Namespace, make: "Callable[[Present], Any]", *, timing_is_ours: bool
+) -> "Asked":
+    from controller.planning.timing import Timing  # noqa: PLC0415
+    from nodal.targets.preparing import Asked  # noqa: PLC0415
+
+    timing = Timing(getattr(arguments, "timing", TIMINGS[0]))
+    return Asked(make=make, timing_is_ours=timing_is_ours, timing=timing)
+
+
+def _pace(arguments: argparse.Namespace, easy_mm_s: float) -> Any:
+    from controller.planning.timing import Timing  # noqa: PLC0415
+    from nodal.targets.pace import Pace  # noqa: PLC0415
+
+    return Pace(
+        duration_s=arguments.duration,
+        speed_mm_s=arguments.speed,
+        acceleration_mm_s2=arguments.acceleration,
+        timing=Timing(arguments.timing),
+        easy_mm_s=easy_mm_s,
+    )
+
+
+def _kind(kinds: Any, name: str, summary: str, example: str) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = kinds.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}. Positions are in mm in the robot frame.",
+        epilog=f"For example: nodal target --config BENCH {name} {example}",
+    )
+    # argparse takes -5,0,85 for an option unless it is told what numbers look like here
+    parser._negative_number_matcher = re.compile(r"-[\d.]")  # noqa: SLF001
+    parser.add_argument(
+        "--plan",
+        action=argparse.BooleanOptionalAction,
+        help="lead the whole body to the target on a way that is planned; without either, that is done where the straight "
+        "way comes too near to a forbidden region",
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--check", action="store_true", help="only say whether it can be reached, by the bench file alone"
+    )
+    what.add_argument(
+        "--wait", action="store_true", help="say how far it has come, until it has arrived (0) or failed (3)"
+    )
+    return parser
+
+
+def _add_pace(parser: argparse.ArgumentParser, otherwise: str = "") -> None:
+    fast = parser.add_mutually_exclusive_group()
+    fast.add_argument("--duration", type=float, metavar="S", help=otherwise or "how long it takes")
+    fast.add_argument(
+        "--speed",
+        type=float,
+        metavar="MM_S",
+        help="the highest; default half of what the bench file allows, or less",
+    )
+    parser.add_argument("--timing", choices=TIMINGS, default=TIMINGS[0], help=f"default {TIMINGS[0]}")
+    parser.add_argument("--acceleration", type=float, metavar="MM_S2", help="of the timing trapezoid")
 
 
 def _add_weight(parser: argparse.ArgumentParser) -> None:
@@ -82,11 +273,11 @@ def _weights(arguments: argparse.Namespace) -> dict[str, float]:
     return {name: weight for name, (weight,) in arguments.weight}
 
 
-def _named(count: int) -> Callable[[str], tuple[str, list[float]]]:
-    def named(text: str) -> tuple[str, list[float]]:
+def _named(count: int) -> Callable[[str], tuple[str, Sequence[float]]]:
+    def named(text: str) -> tuple[str, Sequence[float]]:
         name, equals, values = text.rpartition("=")
         if not equals or not name:
-            raise argparse.ArgumentTypeError(f"{text!r} is not NAME={'X,Y,Z' if count == 3 else 'NUMBER'}")
+            raise argparse.ArgumentTypeError(f"{text!r} is not NAME={_PLACES[count]}")
         return name, _numbers(count)(values)
 
     return named
