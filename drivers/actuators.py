@@ -87,7 +87,10 @@ class Actuators(Protocol):
         ...
 
     def write(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
-        """Send where the tendon pairs (D,) and the stage should go; raises CommandRefusedError before sending."""
+        """Send where the tendons or pairs (D,) and the stage should go; raises CommandRefusedError before sending.
+
+        A drive without a stage is always at insertion 0 and refuses any other.
+        """
         ...
 
     def set_zero(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:

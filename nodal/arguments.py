@@ -1,6 +1,8 @@
 """Arguments that several subcommands share. Imports nothing slow, so that help stays quick."""
 
 import argparse
+import importlib
+from collections.abc import Sequence
 
 
 def add_config_argument(parser: argparse.ArgumentParser) -> None:
@@ -26,3 +28,16 @@ def add_timeout_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--timeout", type=float, default=5.0, metavar="S", help="seconds to wait for an answer (default 5)"
     )
+
+
+def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequence[str]) -> None:
+    """One subcommand for each module of `package` in `names`: its SUMMARY, add_arguments and run."""
+    subcommands = parser.add_subparsers(required=True, metavar="SUBCOMMAND")
+    for name in names:
+        module = importlib.import_module(f"{package}.{name}")
+        summary: str = module.SUMMARY
+        subcommand = subcommands.add_parser(
+            name, help=summary, description=summary[0].upper() + summary[1:] + "."
+        )
+        module.add_arguments(subcommand)
+        subcommand.set_defaults(run_subcommand=module.run)

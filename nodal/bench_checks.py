@@ -61,7 +61,9 @@ def _tendons(settings: "BenchSettings") -> Iterator[str]:
     if servos != pairs:
         yield f"servos.tendons has {servos} tendon pairs; controller.sections needs {pairs}, two for each section"
     travel, stage = settings.controller.limits.insertion_mm, settings.servos.stage
-    if travel[0] < stage.min_mm or travel[1] > stage.max_mm:
+    if settings.robot.stage != (stage is not None):
+        yield f"robot.stage is {str(settings.robot.stage).lower()}; servos.stage is {'missing' if stage is None else 'given'}"
+    elif stage is not None and (travel[0] < stage.min_mm or travel[1] > stage.max_mm):
         yield (
             f"controller.limits.insertion_mm {list(travel)} reaches beyond "
             f"servos.stage, which travels {stage.min_mm:g} to {stage.max_mm:g} mm"

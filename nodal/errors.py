@@ -4,6 +4,8 @@ NodalError
 |-- BenchFileError         a bench file that cannot be read, or that asks for something impossible
 |-- CalibrationFileError   a calibration file that cannot be read, or that does not describe the bench's cameras
 |-- CommandError           words on the command line that fit the grammar but mean nothing possible
+|-- BusError               a servo bus on which nobody answers, or not the one that is asked for
+|-- SetupRefusedError      a servo that must not be set up as it is now; nothing was written
 |-- DemoError              the demo cannot go on
 |   `-- ProcessError       one of its processes did not start, or does not stay up
 |-- ExportError            an export that cannot be written
@@ -24,6 +26,14 @@ class CalibrationFileError(NodalError):
 
 class CommandError(NodalError):
     """An argument of the command line names something impossible."""
+
+
+class BusError(NodalError):
+    """Nobody answers on the servo bus, or not the servo that was asked for."""
+
+
+class SetupRefusedError(NodalError):
+    """A servo's torque is on, its id is taken, or it shares its id: it is not set up."""
 
 
 class DemoError(NodalError):

@@ -21,7 +21,7 @@ from drivers.dynamixel.protocol import (
 PROMPT_S = 0.002
 """How long after its time on the wire an answer is usually there. A sync read that is asked again and again, as in every cycle,
 is repeated when that is over, so that a lost packet is made up for within the cycle; its last attempt waits for all the time
-that is allowed. Another question would have to wait for late answers, so there each attempt waits in full."""
+that is allowed. Elsewhere, and while answers to such a repetition may still come, each attempt waits in full."""
 QUIET_S = 0.002
 """How long nothing may have come before another question is asked: longer than a servo's longest return delay (508 us) and an
 adapter's 1 ms, so that a second answer is not taken for the answer to that question."""
@@ -138,7 +138,7 @@ class DynamixelBus:
             question,
             ask,
             f"read {size} bytes at {address}",
-            in_a_hurry=question == self._question,
+            in_a_hurry=question == self._question and self._line.now_s() >= self._late_until_s,
         )
         return {servo: answers[servo].parameters for servo in servos}
 
@@ -213,6 +213,7 @@ class DynamixelBus:
         for answer in answers.values():
             (self.alerts.add if answer.alert else self.alerts.discard)(answer.id)
         if silent := [servo for servo in missing if servo not in answers]:
+            self._question = None  # whatever comes now is too late
             waited_s = self._line.now_s() - began_s
             if rubbish:
                 raise CorruptAnswerError(self.port, silent, answers, waited_s, rubbish)
@@ -261,7 +262,7 @@ class DynamixelBus:
                 break
         if received:
             self._heard_s = line.now_s()
-        if none_is_late and len(answers) == len(servos):
+        if len(answers) == len(servos) and (none_is_late or not one_by_one):
             self._late_until_s = 0.0
         return answers, rubbish
 

@@ -5,24 +5,17 @@ from collections.abc import Sequence
 from drivers.dynamixel import control_table as table
 from drivers.dynamixel import feedback
 from drivers.dynamixel.axis import Axis
-from drivers.dynamixel.bus import DynamixelBus
-from drivers.dynamixel.control_table import MODELS, Model, Register
+from drivers.dynamixel.bus import DynamixelBus, Identity
+from drivers.dynamixel.control_table import MODELS, Model
 from drivers.dynamixel.errors import WrongModelError, WrongSetupError
 from drivers.dynamixel.feedback import ANSWER_EVERYTHING
-from drivers.dynamixel.port import SerialPort
+from drivers.dynamixel.needs import ANSWERS
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
-
-EEPROM_SETUP: tuple[tuple[Register, int], ...] = (
-    (table.OPERATING_MODE, table.CURRENT_BASED_POSITION_MODE),
-    (table.RETURN_DELAY_TIME, 0),
-    (table.DRIVE_MODE, 0),
-)
-"""Current-bounded multi-turn positions; answers without delay; positive is counter-clockwise, profiles by velocity."""
 
 
 def identify(bus: DynamixelBus, axes: Sequence[AxisSettings]) -> list[Model]:
     """Ping every axis and make it answer writes too; raises NoAnswerError, WrongModelError."""
-    models = [_model(bus, axis) for axis in axes]
+    models = [known_model(bus.port, axis, bus.ping(axis.id)) for axis in axes]
     if len({model.indirect_data_1 for model in models}) > 1:
         raise WrongModelError(
             f"{bus.port}: {', '.join(model.name for model in models)} keep indirect data at different addresses and "
@@ -32,17 +25,17 @@ def identify(bus: DynamixelBus, axes: Sequence[AxisSettings]) -> list[Model]:
     return models
 
 
-def _model(bus: DynamixelBus, axis: AxisSettings) -> Model:
-    identity = bus.ping(axis.id)
+def known_model(port: str, axis: AxisSettings, identity: Identity) -> Model:
+    """The model of the servo that is to be `axis`; raises WrongModelError for one that the driver cannot use."""
     model = MODELS.get(identity.model_number)
     if model is None:
         raise WrongModelError(
-            f"{bus.port}: servo {axis.id} ({axis.name}) has model number {identity.model_number}; known models, which "
+            f"{port}: servo {axis.id} ({axis.name}) has model number {identity.model_number}; known models, which "
             f"measure their current: {', '.join(known.name for known in MODELS.values())}"
         )
     if identity.firmware < model.fast_sync_read_firmware:
         raise WrongModelError(
-            f"{bus.port}: servo {axis.id} ({axis.name}), {model.name}, has firmware {identity.firmware}; fast sync read "
+            f"{port}: servo {axis.id} ({axis.name}), {model.name}, has firmware {identity.firmware}; fast sync read "
             f"needs {model.fast_sync_read_firmware} or newer"
         )
     return model
@@ -50,18 +43,18 @@ def _model(bus: DynamixelBus, axis: AxisSettings) -> Model:
 
 def check_setup(bus: DynamixelBus, axis: AxisSettings, model: Model) -> None:
     """Compare a servo's EEPROM with what the bench needs; raises WrongSetupError naming the first difference."""
-    for register, needed in EEPROM_SETUP:
+    for register, needed in ANSWERS.items():
         found = bus.read(axis.id, register)
         if found != needed:
             raise WrongSetupError(
                 f"{bus.port}: servo {axis.id} ({axis.name}): {register.name} is {found}, needed is {needed}; "
-                "drivers.dynamixel.commissioning.commission writes it"
+                "`nodal servos setup` writes it"
             )
     limit_ma = bus.read(axis.id, table.CURRENT_LIMIT) * model.current_unit_ma
     if axis.max_current_ma > limit_ma:
         raise WrongSetupError(
             f"{bus.port}: servo {axis.id} ({axis.name}): max_current_ma {axis.max_current_ma:.0f} is above the servo's "
-            f"own {table.CURRENT_LIMIT.name} of {limit_ma:.0f} mA"
+            f"own {table.CURRENT_LIMIT.name} of {limit_ma:.0f} mA; `nodal servos setup` writes it"
         )
 
 
@@ -75,21 +68,3 @@ def configure(bus: DynamixelBus, axis: Axis, settings: ServoSettings) -> None:
     bus.write(servo, table.PROFILE_ACCELERATION, max(1, acceleration))  # 0 would mean unlimited
     bus.write(servo, table.PROFILE_VELOCITY, max(1, velocity))
     bus.write(servo, table.GOAL_CURRENT, axis.goal_current())
-
-
-def commission(settings: ServoSettings) -> list[str]:
-    """Relax new servos and write the EEPROM setup the bench needs; says what was changed. Ids and baud rate are theirs.
-
-    Raises PortError, NoAnswerError, WrongModelError, StatusError.
-    """
-    changes = []
-    with DynamixelBus(SerialPort(settings.port, settings.baud_rate)) as bus:
-        identify(bus, settings.axes)
-        for axis in settings.axes:
-            bus.write(axis.id, table.TORQUE_ENABLE, 0)
-            for register, needed in EEPROM_SETUP:
-                found = bus.read(axis.id, register)
-                if found != needed:
-                    bus.write(axis.id, register, needed)
-                    changes.append(f"servo {axis.id} ({axis.name}): {register.name} {found} -> {needed}")
-    return changes

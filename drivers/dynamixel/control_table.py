@@ -64,13 +64,20 @@ BAUD_RATE = Register("Baud Rate", 8, 1, "place in BAUD_RATES", _RW, _EEPROM)
 RETURN_DELAY_TIME = Register("Return Delay Time", 9, 1, "2 us", _RW, _EEPROM)
 DRIVE_MODE = Register("Drive Mode", 10, 1, "bits", _RW, _EEPROM)
 OPERATING_MODE = Register("Operating Mode", 11, 1, "", _RW, _EEPROM)
+SECONDARY_ID = Register("Secondary ID", 12, 1, "", _RW, _EEPROM)
 HOMING_OFFSET = Register("Homing Offset", 20, 4, "2 pi / 4096 rad", _RW, _EEPROM, signed=True)
 TEMPERATURE_LIMIT = Register("Temperature Limit", 31, 1, "1 C", _RW, _EEPROM)
+MAX_VOLTAGE_LIMIT = Register("Max Voltage Limit", 32, 2, "0.1 V", _RW, _EEPROM)
+MIN_VOLTAGE_LIMIT = Register("Min Voltage Limit", 34, 2, "0.1 V", _RW, _EEPROM)
 CURRENT_LIMIT = Register("Current Limit", 38, 2, "current_unit_ma", _RW, _EEPROM)
 VELOCITY_LIMIT = Register("Velocity Limit", 44, 4, "0.229 rev/min", _RW, _EEPROM)
+MAX_POSITION_LIMIT = Register("Max Position Limit", 48, 4, "2 pi / 4096 rad", _RW, _EEPROM, signed=True)
+MIN_POSITION_LIMIT = Register("Min Position Limit", 52, 4, "2 pi / 4096 rad", _RW, _EEPROM, signed=True)
+STARTUP_CONFIGURATION = Register("Startup Configuration", 60, 1, "bits", _RW, _EEPROM)
 SHUTDOWN = Register("Shutdown", 63, 1, "bits of Hardware Error Status", _RW, _EEPROM)
 
 TORQUE_ENABLE = Register("Torque Enable", 64, 1, "")
+LED = Register("LED", 65, 1, "")
 STATUS_RETURN_LEVEL = Register("Status Return Level", 68, 1, "")
 HARDWARE_ERROR_STATUS = Register("Hardware Error Status", 70, 1, "bits", _R)
 BUS_WATCHDOG = Register("Bus Watchdog", 98, 1, "20 ms", signed=True)
@@ -93,6 +100,14 @@ INDIRECT_ADDRESS_1 = 168
 CURRENT_BASED_POSITION_MODE = 5
 """Multi-turn position control whose current, and so the tendon's tension, never exceeds Goal Current."""
 
+OPERATING_MODES = {
+    0: "current",
+    1: "velocity",
+    3: "position",
+    4: "extended position",
+    5: "current-based position",
+    16: "PWM",
+}
 HARDWARE_ERRORS = {
     0x01: "input voltage",
     0x04: "overheating",

@@ -9,11 +9,11 @@ ActuatorError
     |-- NoAnswerError          servos that stayed silent; carries the answers of the others
     |   `-- CorruptAnswerError what came was not the answer: noise, a collision, two servos with one id
     |-- StatusError            a servo refused an instruction, and says why
-    |-- HardwareError          a servo's own error bits, named
+    |-- HardwareError          a servo's own error bits, named; a ServoAlarmError too
     |-- WrongModelError        a servo that this driver does not know, or whose firmware is too old
     |-- WrongSetupError        settings kept in a servo's EEPROM are not what the bench needs
     |-- UnconfirmedError       a servo acknowledged, and reads back something else
-    `-- RestartedError         a servo restarted by itself, and forgot its turns
+    `-- RestartedError         a servo restarted by itself, and forgot its turns; a ServoRestartedError too
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -126,6 +126,11 @@ def test_a_missing_key_is_named(tmp_path, table, key):
             lambda table: table["servos"]["tendons"].pop(),
             "servos.tendons has 3 tendon pairs; controller.sections needs 4",
         ),
+        (lambda table: table["servos"].pop("stage"), "robot.stage is true; servos.stage is missing"),
+        (
+            lambda table: table["robot"].update(stage=False),
+            "robot.stage is false; servos.stage is given",
+        ),
         (
             lambda table: table["robot"].update(section_length_mm=[80]),
             "controller.sections describes 2 sections; robot.section_length_mm has 1",

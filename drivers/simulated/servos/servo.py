@@ -55,6 +55,7 @@ class Servo:
         self._heard_s = 0.0
         self._silent_until_s = -math.inf
         self._overloaded_s = 0.0
+        self._began_ms = 7 * servo_id  # no two power on in the same millisecond
         eeprom = {
             "model_number": settings.model_number,
             "firmware_version": settings.firmware,
@@ -153,7 +154,7 @@ class Servo:
         self.check_watchdog(now_s)
         self.motor.step(dt_s, self._drive(), load_torque_Nm)
         self._show_state()
-        self.memory["realtime_tick"] = int(now_s * 1e3) % 32768
+        self.memory["realtime_tick"] = (int(now_s * 1e3) + self._began_ms) % 32768
         if self.motor.temperature_C > self.memory["temperature_limit"]:
             self.fail(OVERHEATED)
         overloaded = abs(self.motor.current_A) >= self._settings.motor.overload_current_A

@@ -30,7 +30,9 @@ class MotorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 class EmulatedServosSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Servos on one bus behind a pty, reached at `link`. They start as a commissioned bench leaves its EEPROM."""
+    """Servos on one bus behind a pty, reached at `link`. They start with factory settings, but for the mode and
+    the delay that a bench's servos need to be opened.
+    """
 
     link: Annotated[str, msgspec.Meta(min_length=1)]
     ids: Annotated[tuple[ServoId, ...], msgspec.Meta(min_length=1)]

@@ -6,12 +6,11 @@ import pytest
 
 from drivers.dynamixel.actuators import TendonActuators
 from drivers.dynamixel.bus import DynamixelBus
-from drivers.dynamixel.errors import PortLostError
 from drivers.dynamixel.port import SerialPort
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
-from drivers.simulated.servos.bus import ServoBus
 from drivers.simulated.servos.emulated import EmulatedServos
 from drivers.simulated.servos.settings import EmulatedServosSettings
+from drivers.simulated.servos.virtual_line import VirtualLine
 
 IDS = (11, 12, 21, 22, 30)
 
@@ -80,66 +79,9 @@ def actuators(bench, settings):
         yield actuators
 
 
-class VirtualLine:
-    """A line between the driver and emulated servos, in time of its own that passes only by waiting."""
-
-    path, is_open = "virtual", False
-
-    def __init__(self, ids=IDS):
-        self.servos = ServoBus(EmulatedServosSettings(link="virtual", ids=ids))
-        self.sent = 0
-        self._now_s = 100.0
-        self._due = []
-
-    def open(self):
-        self.is_open = True
-
-    def close(self):
-        self.is_open = False
-
-    def send(self, data):
-        if not self.is_open:
-            raise PortLostError("virtual line is not open")
-        self.sent += 1
-        self._due = [(at_s, answer) for at_s, answer in self._due if at_s > self._now_s]
-        arrived_s = self._now_s + self.transfer_time_s(len(data))
-        self._due += [
-            (arrived_s + answer.delay_s, answer.data) for answer in self.servos.receive(data, arrived_s)
-        ]
-        self._due.sort()
-
-    def receive(self, deadline_s):
-        if self._due and self._due[0][0] <= deadline_s:
-            at_s, data = self._due.pop(0)
-            self._now_s = max(self._now_s, at_s)
-            return data
-        self._now_s = max(self._now_s, deadline_s)
-        return b""
-
-    def transfer_time_s(self, byte_count):
-        return byte_count * 1e-5
-
-    def now_s(self):
-        return self._now_s
-
-    def pause(self, seconds):
-        self._now_s += seconds
-
-    def run(self, seconds, load_torque_Nm=0.0):
-        """Let time pass for the servos too."""
-        for _ in range(round(seconds / 0.01)):
-            self._now_s += 0.01
-            self.servos.step(0.01, [load_torque_Nm] * len(self.servos.servos), self._now_s)
-
-
-@pytest.fixture(scope="session")
-def make_line():
-    return VirtualLine
-
-
 @pytest.fixture
-def line(make_line):
-    return make_line()
+def line():
+    return VirtualLine(EmulatedServosSettings(link="virtual", ids=IDS))
 
 
 @pytest.fixture

@@ -10,7 +10,6 @@ from drivers.actuators import Actuators, CommandRefusedError, WatchdogExpiredErr
 from drivers.dynamixel import control_table as table
 from drivers.dynamixel.actuators import TendonActuators
 from drivers.dynamixel.bus import DynamixelBus
-from drivers.dynamixel.commissioning import commission
 from drivers.dynamixel.errors import (
     HardwareError,
     NoAnswerError,
@@ -276,16 +275,6 @@ def test_the_wrong_servos_are_refused_and_the_port_let_go(make_bench, settings, 
         actuators.open()
     with DynamixelBus(SerialPort(settings.port)) as bus:
         assert bus.ping(11)
-
-
-def test_new_servos_are_commissioned(make_bench, settings):
-    make_bench(operating_mode=3, return_delay_us=500)
-    changes = commission(settings)
-    assert "servo 11 (a): Operating Mode 3 -> 5" in changes
-    assert len(changes) == 10
-    assert commission(settings) == []
-    with TendonActuators(settings) as actuators:
-        assert not actuators.read().torque
 
 
 def test_a_current_above_the_servos_own_limit_is_refused(bench, settings):
