@@ -87,9 +87,10 @@ class Kinematics:
         self.coordinates_of_command = np.linalg.pinv(self.command_of_coordinates)
         """(C, A): Clarke coordinates in mm, and the stage's place; what no bend explains is left out."""
         crossing = np.eye(sections) + coupling * np.tri(sections, k=-1)
-        bend_of_coordinates = np.linalg.inv(np.kron(radius[:, None] * crossing, np.eye(2)))
+        self.bend_of_coordinates = np.linalg.inv(np.kron(radius[:, None] * crossing, np.eye(2)))
+        """(2 S, 2 S): bends in rad of Clarke coordinates in mm."""
         self._bend_of_displacement = (
-            bend_of_coordinates @ self.coordinates_of_command[: 2 * sections, : self.tendons]
+            self.bend_of_coordinates @ self.coordinates_of_command[: 2 * sections, : self.tendons]
         )
         tightening = np.eye(self.axes) - self.command_of_coordinates @ self.coordinates_of_command
         self.tightening = tightening if self.axes > 2 * sections + stage else np.zeros((0, self.axes))
@@ -97,19 +98,25 @@ class Kinematics:
 
     def nodes_mm(self, command_mm: Array, arc_mm: Array) -> Array:
         """Positions (..., m, 3) of the points at arc lengths (m,) for commands (..., A)."""
-        return self._chain(command_mm, arc_mm)[0]
+        return self.nodes_and_jacobian(command_mm, arc_mm)[0]
 
     def nodes_and_jacobian(self, command_mm: Array, arc_mm: Array) -> tuple[Array, Array]:
         """Positions (..., m, 3), and their derivatives (..., m, 3, A) by the command."""
-        points, by_bend = self._chain(command_mm, arc_mm)
+        bend = command_mm[..., : self.tendons] @ self._bend_of_displacement.T
+        points, by_bend = self.bent(bend, arc_mm)
+        if self.stage:
+            points[..., 2] += command_mm[..., -1:]
         jacobian = np.empty((*points.shape, self.axes))
         jacobian[..., : self.tendons] = by_bend @ self._bend_of_displacement
         jacobian[..., self.tendons :] = [[0.0], [0.0], [1.0]]
         return points, jacobian
 
-    def _chain(self, command_mm: Array, arc_mm: Array) -> tuple[Array, Array]:
-        """From the tip to the base: the node as seen from each section's base, and its derivative by the bends."""
-        bend = (command_mm[..., : self.tendons] @ self._bend_of_displacement.T)[..., None, :]
+    def bent(self, bend_rad: Array, arc_mm: Array) -> tuple[Array, Array]:
+        """Points (..., m, 3) of a robot on its base whose sections bend by (..., 2 S), and their derivatives (..., m, 3, 2 S).
+
+        From the tip to the base: the point as seen from each section's base.
+        """
+        bend = bend_rad[..., None, :]
         into_mm = np.maximum(arc_mm[:, None] - self._start_mm, 0.0)
         into_mm[:, :-1] = np.minimum(into_mm[:, :-1], self.length_mm[:-1])
         share = into_mm / self.length_mm
@@ -123,8 +130,6 @@ class Kinematics:
             seen = turn_by_bend @ node[..., None, :, None]
             by_bend[..., own] = part[..., None] * (end_by_bend + seen[..., 0]).swapaxes(-1, -2)
             node = end + (turn @ node[..., None])[..., 0]
-        if self.stage:
-            node[..., 2] += command_mm[..., -1:]
         return node, by_bend
 
 

@@ -35,6 +35,9 @@ class Limits:
         """So many tendons or pairs, and the stage if there is one."""
         reach, (stage_low, stage_high) = settings.displacement_mm, settings.insertion_mm
         self.tendons = tendons
+        self.current_ma = settings.current_ma
+        self.least_tension_ma = settings.least_tension_ma
+        self.tightening_mm_s = settings.tightening_mm_s
         self.low_mm = np.array([-reach] * tendons + [stage_low] * stage)
         self.high_mm = np.array([reach] * tendons + [stage_high] * stage)
         self.rate_mm_s = np.array([settings.displacement_mm_s] * tendons + [settings.insertion_mm_s] * stage)
