@@ -72,7 +72,7 @@ class Wire:
                     continue
                 if isinstance(request, ActionRequest | Target):
                     requests.append(request)
-                    self._asking.append((service.key, query.payload, query))
+                    self._asking.append((query.service.key, query.payload, query))
         if self._stop.heard():
             requests.append(_STOP)
             self._asking.append((topics.STOP.key, _STOP.to_bytes(), None))

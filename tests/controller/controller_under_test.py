@@ -11,7 +11,7 @@ import sys
 import threading
 
 from controller.process import run
-from controller.settings import ControllerSettings
+from controller.settings import ControllerSettings, HomingSettings
 from drivers.dynamixel.actuators import TendonActuators
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 from messaging.session import open_session
@@ -43,7 +43,7 @@ def main(rendezvous, port):
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
     with open_session(ZenohSettings(rendezvous=rendezvous), "test", "controller") as session:
         run(
-            ControllerSettings(),
+            ControllerSettings(homing=HomingSettings(find_slack=False)),
             RobotSettings(section_length_mm=(40.0, 40.0)),
             TendonActuators(servos),
             session,

@@ -199,15 +199,26 @@ def test_stop_holds_and_faults_reach_the_servos(bench):
     bench.start_controller()
     bench.home()
     assert bench.do("arm").accepted
-    assert bench.do("stop").accepted
+    asked = bench.session.every(topics.ASKED, 16)
+    bench.session.gives(topics.STOP).give()
     wait_for(lambda: not any(bench.servos.torque_enabled), "torque off")
+    heard = topics.ASKED.type.from_bytes(wait_for(asked.take, "the log of the stop signal").payload)
+    assert (heard.service, heard.accepted, heard.state) == ("stop", True, "idle")
     refused = bench.do("arm")
     assert (refused.accepted, refused.state) == (False, "idle")
+    bench.session.gives(topics.HEARTBEAT).give()
+    wait_for(lambda: bench.state().heartbeat, "the heartbeat in a controller state")
+    bench.home()
+    assert bench.do("stop").accepted
+    wait_for(lambda: not any(bench.servos.torque_enabled), "torque off")
     bench.home()
     bench.do("arm")
     bench.seeing = False
     bench.wait_for_state("hold")
-    assert "no trusted shape" in bench.wait_for_state("fault").reason
+    fault = bench.wait_for_state("fault")
+    assert "no trusted shape" in fault.reason
+    assert (fault.fault, fault.fault_limit, fault.fault_unit) == ("sensing_lost", 1.0, "s")
+    assert bench.do("status").advice == fault.advice != ""
     wait_for(lambda: not any(bench.servos.torque_enabled), "torque off")
     assert bench.do("relax").state == "idle"
 
@@ -216,7 +227,9 @@ def test_unplugged_port_is_a_fault_that_names_it_and_the_process_lives_on(bench)
     process = bench.start_controller()
     bench.home()
     bench.unplug()
-    assert bench.port in bench.wait_for_state("fault").reason
+    fault = bench.wait_for_state("fault")
+    assert bench.port in fault.reason
+    assert fault.fault == "drive_lost"
     refused = bench.do("home")
     assert not refused.accepted
     assert bench.port in refused.reason
