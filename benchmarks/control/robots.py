@@ -19,7 +19,7 @@ SECTION_MM = 40.0
 POINTS_PER_SECTION = 20
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Robot:
     """A robot by its drawing, its controller's settings, and a circle that it can reach."""
 

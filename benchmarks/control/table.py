@@ -36,17 +36,6 @@ def row(scenario: str, law: str, results: Sequence[Result]) -> str:
     )
 
 
-def rows(results: Sequence[Result], laws: Sequence[str]) -> list[str]:
-    """Scenario by scenario, every law and then open loop."""
-    lines = []
-    for scenario in SCENARIOS:
-        for law in laws:
-            found = [r for r in results if (r.scenario, r.law) == (scenario.name, law)]
-            if found:
-                lines.append(row(scenario.name, law, found))
-    return lines
-
-
 def hardness(results: Sequence[Result], open_loop: str) -> list[str]:
     """Whether the benches are as far from the nominal model as real robots are."""
     circles = [r.figures.rms_mm for r in results if (r.scenario, r.law) == (BENCH_CIRCLE, open_loop)]
