@@ -26,6 +26,8 @@ class Figures:
     """From capture until the estimate was published."""
     lateness_ms: Array
     busy_ms: Array
+    rested: NDArray[np.bool_]
+    """Of the cycles, those before which the loop slept; the others are late because the one before took too long."""
     overruns: int
     seconds: float
     tracked: float
@@ -49,6 +51,7 @@ class Figures:
             ("capture to command", self.capture_to_command_ms),
             ("capture to shape published", self.sensing_ms),
             ("lateness", self.lateness_ms),
+            ("lateness after a rest", self.lateness_ms[self.rested]),
             ("busy", self.busy_ms),
         ):
             p50, p99, p100 = np.percentile(values, [50, 99, 100])
@@ -74,11 +77,16 @@ def figures_of(recording: Path, begin_ns: int, end_ns: int, cores: Mapping[str, 
                 case ShapeEstimate():
                     shapes.append(message)
     ages = [one.capture_to_command_ns for one in commands if one.capture_to_command_ns >= 0]
+    late_s, busy_s = (
+        np.array([getattr(state, name) for state in states]) for name in ("lateness_s", "busy_s")
+    )
     return Figures(
         capture_to_command_ms=np.array(ages) / 1e6,
         sensing_ms=np.array([shape.capture_to_publish_ns for shape in shapes]) / 1e6,
-        lateness_ms=np.array([state.lateness_s for state in states]) * 1e3,
-        busy_ms=np.array([state.busy_s for state in states]) * 1e3,
+        lateness_ms=late_s * 1e3,
+        busy_ms=busy_s * 1e3,
+        # a state tells how long the cycle before it was busy
+        rested=np.append(0.0, late_s[:-1]) + busy_s < states[0].dt_s,
         overruns=states[-1].overruns - states[0].overruns,
         seconds=(end_ns - begin_ns) / 1e9,
         tracked=float(np.mean([state.state is State.TRACKING for state in states])),
