@@ -4,8 +4,8 @@ from drivers.dynamixel import control_table as table
 from drivers.dynamixel.control_table import Model, Register, hardware_error_names
 from nodal.servos.scan import FoundServo
 
-_WIDTHS = (4, 12, 9, 9, 24, 7, 8, 5)
-HEADER = ("id", "model", "firmware", "baud", "mode", "torque", "V", "C", "hardware error")
+_WIDTHS = (4, 12, 9, 9, 24, 7, 9, 6, 5)
+HEADER = ("id", "model", "firmware", "baud", "mode", "torque", "position", "V", "C", "hardware error")
 
 
 def line(cells: tuple[str, ...]) -> str:
@@ -16,7 +16,7 @@ def line(cells: tuple[str, ...]) -> str:
 def row(servo: FoundServo) -> str:
     """What is to be said of one servo."""
     if servo.identity is None:
-        return line((str(servo.id), "?", "?", str(servo.baud_rate), "?", "?", "?", "?", SHARED))
+        return line((str(servo.id), "?", "?", str(servo.baud_rate), "?", "?", "?", "?", "?", SHARED))
     readings = servo.readings
     return line(
         (
@@ -26,6 +26,7 @@ def row(servo: FoundServo) -> str:
             str(servo.baud_rate),
             mode_name(readings[table.OPERATING_MODE]),
             "on" if readings[table.TORQUE_ENABLE] else "off",
+            str(readings[table.PRESENT_POSITION]),
             f"{readings[table.PRESENT_INPUT_VOLTAGE] * table.VOLTS_PER_COUNT:.1f}",
             str(readings[table.PRESENT_TEMPERATURE]),
             hardware_error_names(readings[table.HARDWARE_ERROR_STATUS]) or "none",

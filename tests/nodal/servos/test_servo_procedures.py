@@ -92,8 +92,8 @@ class TestScan:
     def test_a_row_says_what_matters(self, bench):
         bench.line.servos.servo(11).fail(OVERLOAD)
         assert [words.line(words.HEADER), *map(words.row, bench.found([1_000_000], [11]))] == [
-            "id  model       firmware baud     mode                    torque V       C    hardware error",
-            "11  XM430-W350  48       1000000  current-based position  off    12.0    28   overload",
+            "id  model       firmware baud     mode                    torque position V     C    hardware error",
+            "11  XM430-W350  48       1000000  current-based position  off    2048     12.0  28   overload",
         ]
 
     def test_a_model_without_a_name_is_listed_by_its_number(self):
