@@ -1,7 +1,8 @@
 """Records `run.mcap` anew on the small simulated bench: `python tests/data/record_run.py OUT_FOLDER`.
 
-A run in which a replay meets everything that it must repeat: homing, a target out of reach, a circle, nodal points that are
-renamed on the way, sensing that dies and starts again, a fault, a second homing, and the operator's stop.
+A run in which a replay meets everything that it must repeat: homing, a target out of reach, a circle, a pause, an operator's
+heartbeat, nodal points that are renamed on the way, sensing that dies and starts again, a fault, a second homing, a jog, and
+a stop signal.
 """
 
 import os
@@ -16,7 +17,7 @@ from messaging.control import Action, ActionRequest, State
 from messaging.message import Message
 from messaging.session import Session, open_session
 from messaging.shape import NodalPoints
-from messaging.topics import CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES, Service
+from messaging.topics import CONTROLLER_DO, CONTROLLER_TARGET, HEARTBEAT, SENSING_NODES, STOP, Service
 from nodal import targets
 from nodal.bench_file import load_bench
 from nodal.demo.folder import make_demo_folder
@@ -80,7 +81,12 @@ def main(out: Path) -> None:
         run.ask(CONTROLLER_TARGET, FAR)
         run.ask(CONTROLLER_TARGET, CIRCLE)
         run.do(Action.ARM)
-        run.for_a_while(20)
+        run.for_a_while(10)
+        run.do(Action.PAUSE)
+        session.gives(HEARTBEAT).give()
+        run.for_a_while(5)
+        run.do(Action.RESUME)
+        run.for_a_while(5)
         run.ask(SENSING_NODES, OTHER_POINTS)
         run.for_a_while(10)
         if (sensing := launcher.children["sense"].pid) is not None:
@@ -89,8 +95,11 @@ def main(out: Path) -> None:
         run.seen()
         run.do(Action.HOME)
         run.until(State.READY)
+        run.ask(CONTROLLER_DO, ActionRequest(action=Action.JOG, axis="1", distance_mm=0.2))
+        run.for_a_while(3)
         run.do(Action.STATUS)
-        run.do(Action.STOP)
+        session.gives(STOP).give()
+        run.until(State.IDLE)
         run.for_a_while(2)
     print(folder.recording)
 
