@@ -5,7 +5,6 @@ at most, and the acceleration itself begins and ends at zero.
 """
 
 import dataclasses
-import math
 from typing import Self
 
 EASING_S = 0.3
@@ -66,17 +65,19 @@ class OwnTime:
 
     def at(self, now_s: float) -> float:
         """What it reads; before its beginning it is taken to have run at the rate that it began with."""
-        elapsed_s = now_s - self.now_s
-        own_s = self.own_s + self.rate * elapsed_s
-        if easing_s := self._easing_s:
-            own_s += (self.aim - self.rate) * easing_s * eased_area(elapsed_s / easing_s)
+        elapsed_s, easing_s = now_s - self.now_s, self._easing_s
+        within_s = min(elapsed_s, easing_s)
+        own_s = self.own_s + self.rate * within_s + self.aim * max(elapsed_s - easing_s, 0.0)
+        if easing_s:
+            own_s += (self.aim - self.rate) * easing_s * eased_area(within_s / easing_s)
         return own_s
 
     def rate_at(self, now_s: float) -> float:
         """How fast it runs."""
         easing_s = self._easing_s
-        share = eased((now_s - self.now_s) / easing_s) if easing_s else math.nan
-        return self.rate + (self.aim - self.rate) * share if easing_s else self.rate
+        if not easing_s:
+            return self.rate
+        return self.rate + (self.aim - self.rate) * eased((now_s - self.now_s) / easing_s)
 
     def aimed(self, aim: float, now_s: float) -> Self:
         """The same clock, told at `now_s` to run or to stand."""

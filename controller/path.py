@@ -31,25 +31,28 @@ def along(target: Target, path_s: float | Array) -> Desired:
         round_s = times[-1] - times[seam]
         rounds = np.maximum(np.floor((moment_s - times[seam]) / round_s), 0.0)
         moment_s = moment_s - rounds * round_s
-    piece = np.clip(np.searchsorted(times, moment_s, side="right") - 1, 0, last - 1)
-    before = np.where((rounds > 0) & (piece == seam), last - 1, piece - 1)
-    after = np.where((piece == last - 1) & target.repeat, seam, piece + 1)
-    before, after = np.maximum(before, 0), np.minimum(after, last - 1)
-    steps, ways = np.diff(times), np.diff(positions, axis=0)
-    width = steps[piece][..., None, None]
-    own = ways[piece] / width
-    low = _slope(ways[before] / steps[before][..., None, None], own, steps[before], steps[piece])
-    high = _slope(own, ways[after] / steps[after][..., None, None], steps[piece], steps[after])
-    u = (np.clip(moment_s, 0.0, times[-1])[..., None, None] - times[piece][..., None, None]) / width
+    piece = np.minimum(np.maximum(np.searchsorted(times, moment_s, side="right") - 1, 0), last - 1)
+    before, after = np.maximum(piece - 1, 0), np.minimum(piece + 1, last - 1)
+    if target.repeat:
+        before = np.where((rounds > 0) & (piece == seam), last - 1, before)
+        after = np.where(piece == last - 1, seam, after)
+    three = np.stack([before, piece, after])
+    steps_s = (times[three + 1] - times[three])[..., None, None]
+    slopes = (positions[three + 1] - positions[three]) / steps_s
+    own, width_s = slopes[1], steps_s[1]
+    low, high = _slope(slopes[:2], steps_s[:2]), _slope(slopes[1:], steps_s[1:])
+    inside_s = np.minimum(np.maximum(moment_s, 0.0), times[-1])
+    u = (inside_s - times[piece])[..., None, None] / width_s
     bow, lean = low + high - 2 * own, 3 * own - 2 * low - high
-    node_mm = positions[piece] + width * u * (low + u * (lean + u * bow))
+    node_mm = positions[piece] + width_s * u * (low + u * (lean + u * bow))
     moving = ((moment_s >= 0) & (moment_s < times[-1]))[..., None, None]
     return Desired(node_mm=node_mm, velocity_mm_s=moving * (low + u * (2 * lean + 3 * u * bow)))
 
 
-def _slope(left: Array, right: Array, left_s: Array, right_s: Array) -> Array:
-    """Between two pieces of slopes `left` and `right` (..., m, 3) and these widths: their weighted harmonic mean, or 0."""
-    share = ((left_s + 2 * right_s) / (3 * (left_s + right_s)))[..., None, None]
-    product = left * right
-    mean = share * right + (1 - share) * left
-    return np.where(product > 0, product / np.where(product > 0, mean, 1.0), 0.0)
+def _slope(two: Array, steps_s: Array) -> Array:
+    """Between two pieces of these slopes (2, ..., m, 3) and widths: their weighted harmonic mean, or 0 where they differ in sign."""
+    share = (steps_s[0] + 2 * steps_s[1]) / (3 * (steps_s[0] + steps_s[1]))
+    product = two[0] * two[1]
+    mean = share * two[1] + (1 - share) * two[0]
+    slope: Array = np.where(product > 0, product, 0.0) / np.where(product > 0, mean, 1.0)
+    return slope

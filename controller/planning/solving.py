@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 _COARSE = 9
 _START_BEND_RAD = 0.8
-_STEPS = 25
+_STEPS = 40
 _DAMPING_MM = 0.3
 _STAGE_DAMPING_MM = 1e-3
 _STEP_MM = 1.5
