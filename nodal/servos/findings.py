@@ -11,7 +11,7 @@ from drivers.dynamixel.errors import WrongModelError
 from drivers.dynamixel.needs import eeprom_needs
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 from nodal.servos.port import Buses
-from nodal.servos.scan import EVERY_ID, FoundServo, scan
+from nodal.servos.scan import EVERY_ID, FoundServo, find, scan
 from nodal.servos.words import SHARED, value_words
 
 _SET_UP = "run `nodal servos setup`"
@@ -30,8 +30,8 @@ def examine(buses: Buses, settings: ServoSettings) -> Iterator[str]:
     """Ask everybody at the bench's baud rate, seek who is missing at the others, and say what is wrong; raises PortError."""
     present = {servo.id: servo for servo in scan(buses, (settings.baud_rate,), EVERY_ID)}
     missing = [axis.id for axis in settings.axes if axis.id not in present]
-    other_rates = [rate for rate in table.BAUD_RATES if rate != settings.baud_rate]
-    elsewhere = {servo.id: servo for servo in scan(buses, other_rates, missing)} if missing else {}
+    elsewhere = {servo.id: servo for servo in find(buses, table.BAUD_RATES, missing)} if missing else {}
+    present |= {i: servo for i, servo in elsewhere.items() if servo.baud_rate == settings.baud_rate}
     with buses(settings.baud_rate) as bus:
         for axis in settings.axes:
             subject = f"servo {axis.id} ({axis.name})"

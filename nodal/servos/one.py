@@ -21,18 +21,18 @@ def add_servo_arguments(parser: argparse.ArgumentParser) -> None:
 def one_servo(arguments: argparse.Namespace) -> Iterator["DynamixelBus"]:
     """The bus, opened at the servo's baud rate; raises CommandError, BusError and PortError."""
     from nodal.errors import BusError, CommandError  # noqa: PLC0415
-    from nodal.servos.scan import EVERY_ID, scan  # noqa: PLC0415
+    from nodal.servos.scan import EVERY_ID, find  # noqa: PLC0415
     from nodal.servos.words import SHARED  # noqa: PLC0415
 
     if arguments.id not in EVERY_ID:
         raise CommandError(f"id {arguments.id}: servos have ids 0 to {EVERY_ID[-1]}")
     bus_at, rates = buses(arguments)
-    found = next(scan(bus_at, rates, [arguments.id]), None)
-    if found is None:
+    found = find(bus_at, rates, [arguments.id])
+    if not found:
         raise BusError(
             f"{bus_at(rates[0]).port}: servo {arguments.id} does not answer at {', '.join(map(str, rates))} baud"
         )
-    if not found.alone:
+    if not found[0].alone:
         raise BusError(f"servo {arguments.id}: {SHARED}")
-    with bus_at(found.baud_rate) as bus:
+    with bus_at(found[0].baud_rate) as bus:
         yield bus

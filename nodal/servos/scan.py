@@ -22,10 +22,11 @@ READINGS = (
 )
 
 ANSWER_S = 0.003
-"""How long a ping is waited for; what an adapter delivers later is heard with the next one, for answers name their servo."""
-LISTEN_S = 0.02
-"""How long one servo is listened to, so that a second one with its id is heard after it."""
-LOOKS = 3
+"""How long a ping is waited for when many ids are asked; what an adapter delivers later is heard with the next one, for
+answers name their servo."""
+LISTEN_S = 0.03
+"""How long one of a few is listened to: a loaded computer is late too, and a second servo with its id is heard after it."""
+FEW, LOOKS = 16, 3
 _LIVE_BLOCK = (
     table.REALTIME_TICK.address,
     table.PRESENT_TEMPERATURE.address + 1 - table.REALTIME_TICK.address,
@@ -66,11 +67,19 @@ def scan(buses: Buses, rates: Iterable[int], ids: Sequence[int]) -> Iterator[Fou
                     yield found
 
 
+def find(buses: Buses, rates: Sequence[int], ids: Sequence[int]) -> list[FoundServo]:
+    """Like `scan`, and once more for those that were not heard: an answer may be lost, or a loaded computer miss it."""
+    found = list(scan(buses, rates, ids))
+    missing = sorted(set(ids) - {servo.id for servo in found})
+    return found + list(scan(buses, rates, missing) if missing else ())
+
+
 def _heard(bus: DynamixelBus, ids: Sequence[int]) -> set[int]:
     """Ids that answered, and those whose ping was followed by rubbish."""
     heard = set()
+    wait_s = LISTEN_S if len(ids) <= FEW else ANSWER_S
     for servo in ids:
-        for packet in bus.overhear(protocol.ping(servo), ANSWER_S):
+        for packet in bus.overhear(protocol.ping(servo), wait_s):
             if isinstance(packet, StatusPacket):
                 heard.add(packet.id)
             elif isinstance(packet, Dropped):
@@ -80,13 +89,11 @@ def _heard(bus: DynamixelBus, ids: Sequence[int]) -> set[int]:
 
 def _look_at(bus: DynamixelBus, servo: int, rate: int) -> FoundServo | None:
     """None when nobody is there after all: what was heard was noise."""
-    garbled = FoundServo(id=servo, baud_rate=rate, identity=None, readings={})
-    pings = [bus.overhear(protocol.ping(servo), LISTEN_S) for _ in range(LOOKS)]
-    if not any(pings):
+    clean = _answers_cleanly(bus, protocol.ping(servo))
+    if clean is None:
         return None
-    blocks = [bus.overhear(protocol.read(servo, *_LIVE_BLOCK), LISTEN_S) for _ in range(LOOKS)]
-    if not (any(map(_clean, pings)) and any(map(_clean, blocks))):
-        return garbled
+    if not (clean and _answers_cleanly(bus, protocol.read(servo, *_LIVE_BLOCK))):
+        return FoundServo(id=servo, baud_rate=rate, identity=None, readings={})
     return FoundServo(
         id=servo,
         baud_rate=rate,
@@ -95,6 +102,12 @@ def _look_at(bus: DynamixelBus, servo: int, rate: int) -> FoundServo | None:
     )
 
 
-def _clean(packets: Sequence[protocol.Packet]) -> bool:
-    """One answer, and nothing else."""
-    return len(packets) == 1 and isinstance(packets[0], StatusPacket)
+def _answers_cleanly(bus: DynamixelBus, instruction: protocol.Instruction) -> bool | None:
+    """Whether one of a few attempts was followed by one answer and nothing else; None when nothing came at all."""
+    silent = True
+    for _ in range(LOOKS):
+        packets = bus.overhear(instruction, LISTEN_S)
+        if len(packets) == 1 and isinstance(packets[0], StatusPacket):
+            return True
+        silent = silent and not packets
+    return None if silent else False

@@ -14,7 +14,7 @@ from drivers.dynamixel.needs import eeprom_needs
 from drivers.dynamixel.settings import AxisSettings, ServoSettings
 from nodal.errors import BusError, CommandError, SetupRefusedError
 from nodal.servos.port import Buses
-from nodal.servos.scan import FoundServo, scan
+from nodal.servos.scan import FoundServo, find
 from nodal.servos.words import SHARED, value_words
 
 _RAM: Mapping[Register, int] = {table.BUS_WATCHDOG: 0, table.LED: 0}
@@ -64,7 +64,7 @@ def _places(buses: Buses, order: Order) -> list[tuple[AxisSettings, FoundServo]]
     now = {axis.name: axis.id if order.from_id is None else order.from_id for axis in order.axes}
     rates = tuple(dict.fromkeys((order.settings.baud_rate, *table.BAUD_RATES)))
     ids = sorted({*now.values(), *(axis.id for axis in order.axes)})
-    found = list(scan(buses, rates, ids))
+    found = find(buses, rates, ids)
     places = []
     for axis in order.axes:
         servos = [servo for servo in found if servo.id == now[axis.name]]

@@ -125,6 +125,13 @@ class TestScan:
         assert bench.writes() == before
 
 
+def test_one_lost_answer_hides_nobody(bench):
+    bench.set_up()
+    for settled in (bench.set_up, bench.findings):
+        bench.line.servos.set_faults(Faults(unheard=frozenset({2, 12, 13})))
+        assert settled() == []
+
+
 class TestSetUp:
     """What differs is written and confirmed; what must not be is refused before anything is."""
 

@@ -10,6 +10,7 @@ from drivers.dynamixel.port import SerialPort
 from drivers.simulated.servos.emulated import EmulatedServos
 from drivers.simulated.servos.settings import EmulatedServosSettings
 from nodal.__main__ import main
+from nodal.servos import findings
 
 BENCH = ("--config", "simulated")
 QUICK = ("--baud", "1000000")
@@ -19,6 +20,7 @@ QUICK = ("--baud", "1000000")
 def servos(tmp_path, monkeypatch):
     """Where the bench called `simulated` has its port."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(findings, "EVERY_ID", range(10))  # all would take a second each time
     link = tmp_path / "runs" / "simulated" / "servos"
     link.parent.mkdir(parents=True)
     with EmulatedServos(EmulatedServosSettings(link=str(link), ids=(1, 2, 3, 4, 5), reboot_s=0.05)) as servos:
@@ -39,8 +41,8 @@ def test_list_says_who_answers(servos, capsys):
 
 def test_a_bench_is_checked_set_up_and_found_well(servos, capsys):
     assert main(["servos", "check", *BENCH]) == 3
-    findings = said(capsys)
-    assert "servo 3 (distal x): Current Limit is 1193 (3209 mA), needed is 372 (1001 mA)" in findings[6]
+    differences = said(capsys)
+    assert "servo 3 (distal x): Current Limit is 1193 (3209 mA), needed is 372 (1001 mA)" in differences[6]
     assert main(["servos", "setup", *BENCH]) == 0
     assert said(capsys)[-1] == "15 changed"
     assert main(["servos", "check", *BENCH]) == 0
@@ -55,7 +57,7 @@ def test_a_dry_run_says_what_would_change(servos, capsys):
 
 def test_setup_refuses_torque_in_one_line(servos, capsys):
     servos.set_registers(4, torque_enable=1)
-    assert main(["servos", "setup", *BENCH]) == 3
+    assert main(["servos", "setup", *BENCH, "--axis", "distal y"]) == 3
     shown = capsys.readouterr()
     assert shown.out == ""
     assert shown.err.startswith("nodal: refused: servo 4 (distal y): torque is on")
