@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.homing import Search
+from controller.probing import Search
 from controller.supervisor import Mode, Supervision
 from controller.task import Seen, Task
 from controller.watch import Trouble

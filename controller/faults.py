@@ -96,7 +96,9 @@ class TravelError(FaultError):
 
 
 class NotFollowingError(FaultError):
-    """A servo stood further than `controller.limits.following_mm` from where it was sent for longer than `following_grace_s`."""
+    """A servo stood further than `controller.limits.following_mm` from where it was sent, and came no nearer, for
+    `following_grace_s`.
+    """
 
     code = "not_following"
     advice = (

@@ -9,7 +9,6 @@ The robot is compared with where the servo stood when the frames were taken, so 
 """
 
 import dataclasses
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 from controller.errors import FaultError
 from controller.faults import HomingTimeoutError, TendonSlackError, WrongWayError
 from controller.history import History
-from controller.law import SAME_ARC_MM
 from controller.limits import axis_name
 from controller.plant import Plant
+from controller.probing import Rest, Search, Sight, Stroke
 from controller.settings import HomingSettings
 from controller.task import Seen
 from drivers.actuators import ActuatorState
@@ -33,69 +32,6 @@ _CURRENT_S = 0.05
 _THERE_MM = 1e-6
 _SAME_WAY = 0.3
 """Cosine between the motion that is seen and the model's, below which the two have nothing to do with one another."""
-
-
-class Stroke(StrEnum):
-    """What is done with one axis."""
-
-    REST = "rest"
-    """Stand still and see where the robot is."""
-    FORTH = "forth"
-    BACK = "back"
-    MIDDLE = "middle"
-    """Go to the middle of the lost motion."""
-    TIGHTEN = "tighten"
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Rest:
-    """Where nodal points (m, 3) at arc lengths (m,) were when the axis stood still; the mean of `shapes`."""
-
-    arc_mm: Array
-    node_mm: Array
-    shapes: int
-
-    def with_(self, node_mm: Array) -> "Rest":
-        """The mean with one shape more."""
-        mean = (self.shapes * self.node_mm + node_mm) / (self.shapes + 1)
-        return dataclasses.replace(self, node_mm=mean, shapes=self.shapes + 1)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Search:
-    """How far the search has come. Positions and currents are those of `axis`."""
-
-    axis: int
-    stroke: Stroke
-    since_s: float
-    begin_mm: float
-    """Command at which the axis rested."""
-    lost_motion_mm: Array
-    """(A,) of the axes that are done; NaN for the others and where the cameras could not tell."""
-    positions: History
-    current_ma: float
-    """Averaged."""
-    rest_ma: float = 0.0
-    rest: Rest | None = None
-    moved_mm: float = 0.0
-    """How far any nodal point was seen to go, in this stroke."""
-    turn_ma: float = 0.0
-    """Current where the axis turned round."""
-    turn_mm: float = 0.0
-    """Furthest position of the servo."""
-    followed_mm: float = 0.0
-    """Furthest that the robot followed, as the model's displacement of the axis."""
-    goal_mm: float = 0.0
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class _Sight:
-    """One shape against the rest: when, how far the robot followed (mm of the axis), and how well that fits the model."""
-
-    capture_s: float
-    followed_mm: float
-    moved_mm: float
-    cosine: float
 
 
 class SlackSearch:
@@ -185,13 +121,10 @@ class SlackSearch:
         if seen is None or seen.capture_s < search.since_s:
             return search
         arc_mm, node_mm, rest = seen.shape.node_arc_mm, seen.shape.node_mm, search.rest
-        if (
-            rest is None
-            or not _same_points(rest, arc_mm)
-            or _apart_mm(rest, node_mm) > self._settings.seen_mm / 2
-        ):
+        moving_mm = self._settings.seen_mm / 2
+        if rest is None or not rest.shows(arc_mm) or rest.apart_mm(node_mm) > moving_mm:
             return dataclasses.replace(search, rest=Rest(arc_mm=arc_mm, node_mm=node_mm, shapes=1))
-        rest = rest.with_(node_mm)
+        rest = rest.then(node_mm)
         search = dataclasses.replace(search, rest=rest)
         if rest.shapes < _REST_SHAPES:
             return search
@@ -245,23 +178,13 @@ class SlackSearch:
             search, stroke=Stroke.MIDDLE, since_s=now_s, goal_mm=middle_mm, lost_motion_mm=lost_motion_mm
         )
 
-    def _sight(self, search: Search, seen: Seen | None) -> _Sight | None:
+    def _sight(self, search: Search, seen: Seen | None) -> Sight | None:
         """What a new shape says of this axis; nothing when it shows other nodal points than those of the rest."""
-        rest = search.rest
-        if seen is None or rest is None or not _same_points(rest, seen.shape.node_arc_mm):
+        if seen is None or search.rest is None or not search.rest.shows(seen.shape.node_arc_mm):
             return None
-        motion = self._motion(search)
-        went = seen.shape.node_mm - rest.node_mm
-        along = float((went * motion).sum())
-        size, expected = float(np.linalg.norm(went)), float(np.linalg.norm(motion))
-        return _Sight(
-            capture_s=seen.capture_s,
-            followed_mm=along / max(expected**2, 1e-12),
-            moved_mm=float(np.linalg.norm(went, axis=1).max()),
-            cosine=along / max(size * expected, 1e-12),
-        )
+        return Sight.of(search.rest, seen.shape.node_mm, self._motion(search), seen.capture_s)
 
-    def _follows(self, sight: _Sight | None) -> bool:
+    def _follows(self, sight: Sight | None) -> bool:
         return sight is not None and sight.moved_mm >= self._settings.seen_mm and sight.cosine >= _SAME_WAY
 
     def _motion(self, search: Search) -> Array:
@@ -306,11 +229,3 @@ class SlackSearch:
 
     def _name(self, search: Search) -> str:
         return axis_name(search.axis, self._tendons)
-
-
-def _same_points(rest: Rest, arc_mm: Array) -> bool:
-    return rest.arc_mm.shape == arc_mm.shape and bool(np.abs(rest.arc_mm - arc_mm).max() < SAME_ARC_MM)
-
-
-def _apart_mm(rest: Rest, node_mm: Array) -> float:
-    return float(np.linalg.norm(node_mm - rest.node_mm, axis=1).max())

@@ -58,7 +58,7 @@ class LimitSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     travel_grace_s: Seconds = 1.0
     """How long the law may push against the end of a travel before that is a fault."""
     following_mm: Annotated[float, msgspec.Meta(gt=0, le=200)] = 3.0
-    """How far a servo may stand from where it was sent."""
+    """How far a servo may stand from where it was sent, unless it comes nearer."""
     following_grace_s: Seconds = 0.5
     """How long it may stand further."""
     temperature_c: Annotated[float, msgspec.Meta(gt=0, le=150)] = 70.0

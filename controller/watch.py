@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 _TRAVEL_TOLERANCE_MM = 0.5
 """How far a servo may stand beyond its travel, by settling and by being pushed, before that is a fault."""
+_NEARING_MM_S = 0.5
+"""A servo that comes nearer to where it was sent so fast is slow, but follows."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,14 +100,17 @@ class Watch:
     ) -> tuple[Trouble, list[FaultError]]:
         """What is wrong with this reading of the drive, which was sent to `command_mm` (A,) a cycle ago."""
         limits, (low_v, high_v) = self._limits, self._limits.voltage_v
-        behind_mm = np.abs(drive.position_mm - command_mm)
+        missing_mm = command_mm - drive.position_mm
+        behind_mm = np.abs(missing_mm)
+        nearing = np.sign(missing_mm) * drive.velocity_mm_s > _NEARING_MM_S
+        astray = (behind_mm > limits.following_mm) & ~nearing
         unpowered = (drive.voltage_v < low_v) | (drive.voltage_v > high_v)
         trouble = dataclasses.replace(
             trouble,
             current_since_s=_since(
                 np.abs(drive.current_ma) > limits.current_ma, trouble.current_since_s, now_s
             ),
-            following_since_s=_since(behind_mm > limits.following_mm, trouble.following_since_s, now_s),
+            following_since_s=_since(astray, trouble.following_since_s, now_s),
             voltage_since_s=_since(unpowered, trouble.voltage_since_s, now_s),
         )
         return trouble, [*self._alarms(drive), *self._strains(drive, behind_mm, trouble, now_s)]

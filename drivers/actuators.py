@@ -64,6 +64,11 @@ class ActuatorState:
         """Of every servo: the displacements, and the insertion of a drive that has a stage."""
         return np.append(self.displacement_mm, self.insertion_mm)[: len(self.current_ma)]
 
+    @property
+    def velocity_mm_s(self) -> NDArray[np.float64]:
+        """Of every servo."""
+        return np.append(self.displacement_mm_s, self.insertion_mm_s)[: len(self.current_ma)]
+
 
 class Actuators(Protocol):
     """A tendon drive. Every method ends within a bounded time and raises ActuatorError when it cannot do its work."""
