@@ -1,7 +1,10 @@
 """A base install: the controller in another program, and commands that say what they lack."""
 
+import re
 import subprocess
 import sys
+import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +92,18 @@ def test_a_command_that_needs_the_bench_says_so_in_one_line(words, missing):
     assert done.stderr.startswith("nodal: error: there is no ")
     assert f"{missing} needs the bench extra: pip install 'nodal[bench]'" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_the_modules_of_the_bench_are_those_of_its_extra():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extra = {re.split(r"[<>=]", one)[0] for one in project["optional-dependencies"]["bench"]}
+    brought = {
+        module
+        for module, distributions in metadata.packages_distributions().items()
+        if extra & {name.lower() for name in distributions}
+    }
+
+    assert {name for name in brought if name.isidentifier()} == command_line.BENCH_MODULES
 
 
 def test_a_module_that_no_extra_brings_is_not_explained_away(monkeypatch):
