@@ -5,6 +5,7 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 os.environ.setdefault(
     "OPENBLAS_NUM_THREADS", "1"
@@ -72,6 +73,8 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     arguments.benches = arguments.benches or (QUICK_BENCHES if arguments.quick else BENCHES)
     if unknown := [name for name in arguments.scenarios if name not in names]:
         parser.error(f"no scenario {', '.join(unknown)}; there are {', '.join(names)}")
+    if unknown := [law for law in arguments.laws if law not in law_names() and not Path(law).is_file()]:
+        parser.error(f"no law or file {', '.join(unknown)}; laws are {', '.join(law_names())}")
     return arguments
 
 

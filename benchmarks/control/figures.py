@@ -33,6 +33,8 @@ class Figures:
     """Cycles whose command left travel or rate."""
     slack: float
     """Share of the time in which a tendon was slack."""
+    tension_N: float = 0.0
+    """The highest."""
     unstable: bool
     fault: str
 
@@ -47,6 +49,7 @@ def tracked(samples: Samples, limits: Limits) -> Figures:
         held=1.0 - len(seen) / len(error),
         violations=violations(samples, limits),
         slack=float((samples.tension_N <= 0).any(axis=1).mean()),
+        tension_N=float(samples.tension_N.max()),
         unstable=bool((seen > LOST_MM).any()) or sways(samples),
         fault=next((r for m, r in zip(samples.mode, samples.reason, strict=True) if m == "fault"), ""),
     )

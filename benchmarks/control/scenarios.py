@@ -71,7 +71,7 @@ def tuned(controller: ControllerSettings, bench: VirtualBenchSettings) -> Contro
     shape = bench.shape
     oldest_s = shape.delay_s + shape.jitter_s + bench.robot_step_s
     sensing = SensingSettings(maximum_age_s=max(controller.sensing.maximum_age_s, 1.2 * oldest_s))
-    rarest_s = 2.5 / shape.rate_hz + shape.jitter_s + bench.robot_step_s
+    rarest_s = 1.5 / shape.rate_hz + shape.jitter_s + bench.robot_step_s
     # beyond what a bench file may say: a hold within 100 ms is promised, and cannot be kept with so few shapes
     sensing = replace(sensing, timeout_s=max(controller.sensing.timeout_s, rarest_s))
     return replace(controller, sensing=sensing)

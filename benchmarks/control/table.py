@@ -12,13 +12,13 @@ from benchmarks.yardstick import yardstick
 BENCH_CIRCLE = "circle"
 HEAD = (
     f"{'scenario':<16}{'law':<16}{'RMS mm':>8}{'worst':>8}{'peak mm':>9}{'settle s':>10}{'worst':>7}"
-    f"{'over %':>8}{'held %':>8}{'slack %':>9}{'limits':>8}{'unstable':>10}{'faults':>8}"
+    f"{'over %':>8}{'held %':>8}{'slack %':>9}{'pull N':>8}{'limits':>8}{'unstable':>10}{'faults':>8}"
 )
 LEGEND = """
 RMS: of the tip's distance from where it should be, median over the benches, and of the worst bench; peak: the largest
 distance on any bench; settle: until the tip stays within 0.5 mm of its goal, median and worst; over: largest overshoot;
-held: share of the time in which the controller did not lead the tip; slack: share of the time in which a tendon was slack;
-limits: commands beyond travel or rate; unstable, faults: benches."""
+held: share of the time in which the controller did not lead the tip; slack: share of the time in which a tendon was
+slack; pull: the highest tension; limits: commands beyond travel or rate; unstable, faults: benches."""
 
 
 def row(scenario: str, law: str, results: Sequence[Result]) -> str:
@@ -31,7 +31,7 @@ def row(scenario: str, law: str, results: Sequence[Result]) -> str:
         f"{scenario:<16}{law:<16}{np.median(rms):8.3f}{max(rms):8.3f}{peak:9.2f}"
         + (f"{np.median(settle):10.2f}{max(settle):7.2f}{over:8.1f}" if stepped else " " * 25)
         + f"{100 * np.mean([f.held for f in figures]):8.1f}{100 * np.mean([f.slack for f in figures]):9.1f}"
-        + f"{sum(f.violations for f in figures):8d}{sum(f.unstable for f in figures):10d}"
+        + f"{max(f.tension_N for f in figures):8.1f}{sum(f.violations for f in figures):8d}{sum(f.unstable for f in figures):10d}"
         + f"{sum(bool(f.fault) for f in figures):8d}"
     )
 
