@@ -23,9 +23,7 @@ class Stopped(Exception):  # noqa: N818  an order, not an error
 class Launcher:
     """Owns the processes. Whoever waits for anything waits here, so that processes are tended meanwhile."""
 
-    def __init__(
-        self, folder: DemoFolder, stop: threading.Event, names: Sequence[str] = STOP_ORDER
-    ) -> None:
+    def __init__(self, folder: DemoFolder, stop: threading.Event, names: Sequence[str] = STOP_ORDER) -> None:
         """`names` are the processes to start, where not all are wanted."""
         # a recorder that was killed must find the recording that it goes on with
         more = {"record": ("--file", str(folder.recording))}
