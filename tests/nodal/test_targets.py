@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from controller.planning.timing import Timing
 from messaging.errors import InvalidMessageError
 from nodal import targets
 from nodal.errors import CommandError
+from nodal.targets.pace import Pace
 
 
 def test_points_are_held_with_their_weights():
@@ -42,6 +46,114 @@ def test_a_circle_that_nothing_could_follow_is_refused(wrong):
 
     with pytest.raises((InvalidMessageError, CommandError)):
         targets.circle("tip", **asked)
+
+
+@given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda axis: np.linalg.norm(axis) > 0.1))
+def test_a_tilted_circle_goes_round_its_axis_right_handed(axis):
+    places = targets.on_circle(
+        np.linspace(0, 1, 9), radius_mm=5, height_mm=80, centre_mm=(1, 2), axis=tuple(axis)
+    )
+    normal, away = np.array(axis) / np.linalg.norm(axis), places - [1, 2, 80]
+    np.testing.assert_allclose(np.linalg.norm(away, axis=1), 5)
+    np.testing.assert_allclose(away @ normal, 0, atol=1e-9)
+    assert (np.cross(away[:-1], away[1:]) @ normal > 0).all()
+    others = np.linspace(0, 1, 100)
+    farthest = targets.on_circle(others, radius_mm=5, height_mm=80, centre_mm=(1, 2), axis=tuple(axis))
+    assert places[0, 0] >= farthest[:, 0].max() - 1e-3
+
+
+def test_a_line_goes_from_a_stand_to_a_stand_and_back_when_it_repeats():
+    once = targets.line("tip", (0, 0, 85), (10, 0, 85), Pace(duration_s=4.0))
+    assert not once.repeat
+    assert once.time_s[-1] == 4
+    np.testing.assert_allclose(once.position_mm[[0, 60, 120], 0], [(0, 0, 85), (5, 0, 85), (10, 0, 85)])
+    assert np.linalg.norm(np.diff(once.position_mm[:2, 0], axis=0)) < 1e-4
+    again = targets.line("tip", (0, 0, 85), (10, 0, 85), Pace(duration_s=4.0), repeat=True)
+    assert again.repeat
+    assert again.time_s[-1] == 8
+    np.testing.assert_allclose(again.position_mm[120:, 0], once.position_mm[::-1, 0])
+
+
+@pytest.mark.parametrize(
+    ("pace", "peak_mm_s", "duration_s"),
+    [
+        (Pace(speed_mm_s=5.0), 5.0, 1.875 * 10 / 5),
+        (Pace(easy_mm_s=2.0), 2.0, 1.875 * 10 / 2),
+        (Pace(duration_s=4.0, timing=Timing.TRAPEZOID), 10 / 3, 4.0),
+        (Pace(speed_mm_s=5.0, acceleration_mm_s2=10.0, timing=Timing.TRAPEZOID), 5.0, 2.5),
+        (Pace(speed_mm_s=50.0, acceleration_mm_s2=10.0, timing=Timing.TRAPEZOID), 10.0, 2.0),
+        (Pace(duration_s=2.5, acceleration_mm_s2=10.0, timing=Timing.TRAPEZOID), 5.0, 2.5),
+    ],
+)
+def test_a_pace_keeps_to_its_speed_its_duration_and_its_acceleration(pace, peak_mm_s, duration_s):
+    time_s, share = pace.spent(10.0)
+    speed = np.diff(10 * share) / np.diff(time_s)
+    assert time_s[-1] == pytest.approx(duration_s)
+    assert speed.max() == pytest.approx(peak_mm_s, rel=0.02)
+    assert (speed >= 0).all()
+    assert share[-1] == pytest.approx(1)
+    if pace.acceleration_mm_s2:
+        assert np.abs(np.diff(speed) / np.diff(time_s)[1:]).max() < pace.acceleration_mm_s2 * 1.01
+
+
+@pytest.mark.parametrize(
+    ("wrong", "complaint"),
+    [
+        ({"duration_s": 0.0}, "a duration of 0 s is impossible"),
+        ({"speed_mm_s": -3.0}, "a speed of -3 mm/s is impossible"),
+        ({"speed_mm_s": np.nan}, "a speed of nan mm/s is impossible"),
+        ({"duration_s": 2.0, "speed_mm_s": 3.0}, "a duration or a speed, not both"),
+        ({"acceleration_mm_s2": 3.0}, "belongs to the timing trapezoid, not to minimum-jerk"),
+    ],
+)
+def test_a_pace_that_contradicts_itself_is_refused(wrong, complaint):
+    with pytest.raises(CommandError, match=complaint):
+        Pace(**wrong)
+
+
+def test_a_duration_that_is_too_short_for_its_acceleration_says_what_it_needs():
+    pace = Pace(duration_s=2.0, acceleration_mm_s2=5.0, timing=Timing.TRAPEZOID)
+    with pytest.raises(
+        CommandError, match=r"10.0 mm in 2 s need an acceleration of 10.0 mm/s² at least; 5 was"
+    ):
+        pace.spent(10.0)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_spline_goes_through_its_places_smoothly(closed):
+    places = [(10, 0, 85), (0, 10, 88), (-10, 0, 85), (0, -10, 82)]
+    target = targets.spline("tip", places, Pace(speed_mm_s=8.0), closed=closed)
+    led = target.position_mm[:, 0]
+    for place in places:
+        assert np.linalg.norm(led - place, axis=1).min() < 0.5
+    np.testing.assert_allclose(led[0], places[0])
+    np.testing.assert_allclose(led[-1], places[0] if closed else places[-1], atol=1e-9)
+    assert target.repeat is closed
+    speed = np.linalg.norm(np.diff(led, axis=0), axis=1) / np.diff(target.time_s)
+    assert speed.max() == pytest.approx(8.0, rel=0.01)
+    if closed:
+        assert speed.min() == pytest.approx(8.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("places", "complaint"),
+    [
+        ([(0, 0, 80), (5, 0, 80)], "three places or more, .* 2 are given$"),
+        ([(0, 0, 80), (0, 0, 80), (5, 0, 80)], "two that follow one another are the same"),
+    ],
+)
+def test_a_spline_that_goes_nowhere_is_refused(places, complaint):
+    with pytest.raises(CommandError, match=complaint):
+        targets.spline("tip", places, Pace())
+
+
+def test_a_curve_that_cannot_be_is_refused():
+    with pytest.raises(CommandError, match="axis is 0, 0, 0; it must point somewhere"):
+        targets.on_circle(np.zeros(1), radius_mm=5, height_mm=80, axis=(0, 0, 0))
+    with pytest.raises(CommandError, match="two ends are one place"):
+        targets.line("tip", (0, 0, 80), (0, 0, 80), Pace(), repeat=True)
+    with pytest.raises(CommandError, match="run through evenly"):
+        Pace(acceleration_mm_s2=3.0, timing=Timing.TRAPEZOID).evenly(10.0)
 
 
 def csv(tmp_path, text):
