@@ -26,7 +26,11 @@ def light_bench(tmp_path_factory):
     table = read_table(bench_path("simulated"))
     table["calibration"] = "rig.json"
     table["simulation"]["cameras"] = {"sensor": {"rate_hz": 15.0}}
-    table["controller"] = {"sensing": {"maximum_age_s": 0.5, "hold_at_most_s": 10.0}}
+    table["controller"] = {
+        "sensing": {"maximum_age_s": 0.5, "hold_at_most_s": 10.0},
+        "homing": {"find_slack": False},
+        "stall_s": 2.0,
+    }
     table["servos"]["answer_timeout_ms"] = 100.0
     table["servos"]["watchdog_ms"] = 1000
     (folder / "bench.toml").write_text(written(table), encoding="utf-8")
