@@ -1,7 +1,7 @@
 """What a recording says about how the loop kept time."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -76,6 +76,17 @@ def figures_of(recording: Path, begin_ns: int, end_ns: int, cores: Mapping[str, 
                     states.append(message)
                 case ShapeEstimate():
                     shapes.append(message)
+    return figures_from(commands, states, shapes, (end_ns - begin_ns) / 1e9, cores)
+
+
+def figures_from(
+    commands: Sequence[TendonCommand],
+    states: Sequence[ControllerState],
+    shapes: Sequence[ShapeEstimate],
+    seconds: float,
+    cores: Mapping[str, float],
+) -> Figures:
+    """The figures of these messages."""
     ages = [one.capture_to_command_ns for one in commands if one.capture_to_command_ns >= 0]
     late_s, busy_s = (
         np.array([getattr(state, name) for state in states]) for name in ("lateness_s", "busy_s")
@@ -88,7 +99,7 @@ def figures_of(recording: Path, begin_ns: int, end_ns: int, cores: Mapping[str, 
         # a state tells how long the cycle before it was busy
         rested=np.append(0.0, late_s[:-1]) + busy_s < states[0].dt_s,
         overruns=states[-1].overruns - states[0].overruns,
-        seconds=(end_ns - begin_ns) / 1e9,
+        seconds=seconds,
         tracked=float(np.mean([state.state is State.TRACKING for state in states])),
         cores=cores,
     )
