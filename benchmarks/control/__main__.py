@@ -16,7 +16,7 @@ from benchmarks.control.scenarios import SCENARIOS
 from benchmarks.control.table import HEAD, LEGEND, hardness, row, yardsticks
 from controller.laws import law_names
 
-BENCHES, QUICK_BENCHES = 6, 2
+BENCHES, QUICK_BENCHES = 5, 2
 
 
 def main(words: Sequence[str] | None = None) -> int:
