@@ -8,15 +8,9 @@ from typing import Self
 from drivers.dynamixel import protocol
 from drivers.dynamixel.control_table import HARDWARE_ERROR_STATUS, Register
 from drivers.dynamixel.errors import CorruptAnswerError, HardwareError, NoAnswerError, StatusError
+from drivers.dynamixel.hearing import Hearing
 from drivers.dynamixel.port import Line
-from drivers.dynamixel.protocol import (
-    Dropped,
-    FastStatusPacket,
-    Instruction,
-    Packet,
-    PacketParser,
-    StatusPacket,
-)
+from drivers.dynamixel.protocol import Instruction, Packet, PacketParser, StatusPacket
 
 PROMPT_S = 0.002
 """How long after its time on the wire an answer is usually there. A sync read that is asked again and again, as in every cycle,
@@ -205,8 +199,9 @@ class DynamixelBus:
                 patience_s = max(patience_s, self._attempts * patience_s - (self._line.now_s() - began_s))
             elif in_a_hurry:
                 patience_s = min(PROMPT_S, patience_s)
-            heard, rubbish = self._attempt(ask(missing, attempt), missing, size, patience_s)
-            answers |= heard
+            heard = self._attempt(ask(missing, attempt), missing, size, patience_s)
+            answers |= heard.answers
+            rubbish = heard.rubbish
             missing = [servo for servo in servos if servo not in answers or _garbled(answers[servo])]
             if not missing:
                 break
@@ -226,45 +221,28 @@ class DynamixelBus:
 
     def _attempt(
         self, instruction: Instruction, servos: Sequence[int], size: int, patience_s: float
-    ) -> tuple[dict[int, StatusPacket], bytes]:
-        """Send once; who of `servos` answered with `size` parameters, and what else was received.
-
-        Answers come in the order of the questions, so what comes one by one to a fast sync read is late, and older.
-        """
+    ) -> Hearing:
+        """Send once; what was heard in answer until all of `servos` had answered, or patience was at its end."""
         line, packet = self._line, instruction.to_bytes()
         began_s = line.now_s()
         sent_s = began_s + line.transfer_time_s(len(packet))
         answered_s = sent_s + line.transfer_time_s(len(servos) * (protocol.EMPTY_STATUS_SIZE + size))
         none_is_late = began_s >= self._late_until_s
         self._late_until_s = answered_s + 2 * self._answer_timeout_s
-        line.send(packet)
-        parser = PacketParser(max_length=len(servos) * (protocol.EMPTY_STATUS_SIZE + size) * 2)
-        answers: dict[int, StatusPacket] = {}
-        received, rubbish = b"", b""
         one_by_one = instruction.code != protocol.Code.FAST_SYNC_READ
+        hearing = Hearing(servos, size, one_by_one=one_by_one)
+        line.send(packet)
         deadline_s = sent_s + patience_s  # for the first of it; nobody will answer what nobody has heard
-        while len(answers) < len(servos):
-            data = line.receive(deadline_s)
-            received += data
+        while not hearing.complete and (data := line.receive(deadline_s)):
+            hearing.receive(data)
             deadline_s = answered_s + patience_s
-            for event in parser.receive(data) if data else parser.give_up_waiting():
-                match event:
-                    case StatusPacket(id=servo) if servo in servos and (
-                        one_by_one and (len(event.parameters) == size or event.error)
-                    ):
-                        answers[servo] = event
-                    case FastStatusPacket(raw):
-                        answers |= _parts_of_one(raw, servos, size)
-                    case Dropped(dropped):
-                        rubbish += dropped
-            if not data:
-                answers |= _parts_of_one(protocol.salvage_fast_status(received, size), servos, size)
-                break
-        if received:
+        if not hearing.complete:
+            hearing.end()
+        if hearing.received:
             self._heard_s = line.now_s()
-        if len(answers) == len(servos) and (none_is_late or not one_by_one):
+        if hearing.complete and (none_is_late or not one_by_one):
             self._late_until_s = 0.0
-        return answers, rubbish
+        return hearing
 
     def _await_quiet(self) -> None:
         """Answers do not say what they answer, so none to another question may come as late as after this one.
@@ -279,9 +257,3 @@ class DynamixelBus:
 def _garbled(answer: StatusPacket) -> bool:
     """Whether the question did not come through, and is worth repeating."""
     return answer.error == protocol.GARBLED_INSTRUCTION
-
-
-def _parts_of_one(raw: bytes, servos: Sequence[int], size: int) -> dict[int, StatusPacket]:
-    """Answers in the common answer to a fast sync read; none when it is not the answer to this question."""
-    parts = {part.id: part for part in protocol.split_fast_status(raw, size)}
-    return parts if [*parts] == [*servos][: len(parts)] else {}
