@@ -49,8 +49,8 @@ class ServoSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     profile_acceleration_rad_s2: Annotated[float, msgspec.Meta(gt=0, le=12_000)] = 100.0
     watchdog_ms: Annotated[int, msgspec.Meta(ge=20, le=2540)] = 200
     """After how long a silence the servos stop by themselves; rounded up to whole units of 20 ms."""
-    temperature_limit_c: Annotated[int, msgspec.Meta(ge=30, le=80)] = 70
-    """At which temperature a servo lets go by itself."""
+    temperature_limit_c: Annotated[int, msgspec.Meta(ge=30, le=80)] = 75
+    """At which temperature a servo lets go by itself, a little above `controller.limits.temperature_c`, which acts first."""
     answer_timeout_ms: Annotated[float, msgspec.Meta(ge=1, le=500)] = 20.0
     retries: Annotated[int, msgspec.Meta(ge=0, le=5)] = 2
 

@@ -138,7 +138,7 @@ class TestSetUp:
     def test_what_differs_is_said_and_written_once(self, bench):
         assert "servo 11 (bend x): Current Limit 1193 (3209 mA) -> 186 (500 mA)" in bench.set_up()
         assert bench.memory(11)["current_limit"] == 186
-        assert bench.memory(13)["temperature_limit"] == 70
+        assert bench.memory(13)["temperature_limit"] == 75
         assert bench.set_up() == []
 
     def test_a_dry_run_says_the_same_and_writes_nothing(self, bench):
@@ -156,7 +156,7 @@ class TestSetUp:
             ("secondary_id", 12, 255),
             ("startup_configuration", 1, 0),
             ("velocity_limit", 1023, 167),
-            ("temperature_limit", 80, 70),
+            ("temperature_limit", 80, 75),
             ("min_position_limit", 100, 0),
             ("max_position_limit", 3000, 4095),
             ("shutdown", 0x01, 0x35),
@@ -263,7 +263,7 @@ class TestCheck:
             ({"torque_enable": 1}, "torque is on though nobody controls it; `nodal servos setup --relax`"),
             ({"bus_watchdog": -1}, "its watchdog has stopped it"),
             ({"present_input_voltage": 52}, "its supply is 5.2 V, allowed are 9.5 to 16.0 V; look at"),
-            ({"present_temperature": 65}, "it is 65 C warm and lets go at 70 C; let it cool"),
+            ({"present_temperature": 66}, "it is 66 C warm and lets go at 75 C; let it cool"),
             ({"firmware_version": 44}, "has firmware 44; fast sync read needs 45 or newer; exchange it, or update"),
             ({"model_number": 1060}, "has model number 1060; known models"),
             ({"baud_rate": 1}, "speaks at 57600 baud, the bench at 1000000; run `nodal servos setup`"),
