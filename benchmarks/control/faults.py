@@ -1,7 +1,8 @@
 """What the controller makes of each fault, in virtual time: `python -m benchmarks.control.faults`.
 
 The tip follows the circle; then something breaks. `until safe` is the time until nothing is driven any more: torque is off,
-or goals stand still. `driven` is how far the tip moved meanwhile, `after` how far it went after that.
+or goals stand still. `driven` is how far the tip moved meanwhile, `after` how far it went after that, and `astray` how far
+it was from where the controller led it.
 """
 
 import argparse
@@ -33,6 +34,7 @@ FOLLOWED_S, WATCHED_S = 3.0, 4.0
 OVERLOAD = 0x20
 STRONG_MA = 1500.0
 """What the servos may draw, so that there is something above the controller's own limit."""
+DRIVEN_AT_MOST_MM = 3.0
 BROKEN_LAW = str(Path(__file__).with_name("not_a_number.py"))
 
 
@@ -53,6 +55,8 @@ class Consequence:
     """Infinite when the robot is driven on."""
     driven_mm: float
     after_mm: float
+    astray_mm: float
+    """Furthest from where the controller led it, as long as it did."""
     reason: str
 
 
@@ -99,11 +103,12 @@ def consequence(bench: VirtualBench, fault: Fault, watched_s: float = WATCHED_S)
     """Cause the fault and watch."""
     broken_s = bench.now_s
     fault.cause(bench)
-    times, tips, goals = [], [], []
+    times, tips, goals, errors = [], [], [], [0.0]
     while bench.now_s < broken_s + watched_s:
         samples, _ = bench.run(0.0)
         times.append(bench.now_s - broken_s)
         tips.append(samples.node_mm[0, samples.node_names.index(TIP)])
+        errors.append(float(np.nan_to_num(samples.error_mm(TIP)[0])))
         goals.append([_goal(servo.memory) for servo in bench.plant.servos])
     last = _still(goals)
     tip_mm = np.array(tips)
@@ -111,7 +116,8 @@ def consequence(bench: VirtualBench, fault: Fault, watched_s: float = WATCHED_S)
     return Consequence(
         mode=str(bench.state.mode),
         safe_s=times[last] if safe else np.inf,
-        driven_mm=_furthest(tip_mm[: last + 1]),
+        driven_mm=_furthest(tip_mm[: last + 1]) if safe else np.nan,
+        astray_mm=max(errors),
         after_mm=_furthest(tip_mm[last:]) if safe else 0.0,
         reason=bench.state.supervision.reason,
     )
@@ -145,21 +151,24 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--law", default="", help="which law follows the circle (default: the controller's)")
     logging.getLogger("controller").setLevel(logging.ERROR)
     tracking = tracking_bench(parser.parse_args(words).law)
-    print(f"{'fault':<18}{'then':<10}{'until safe ms':>14}{'driven mm':>11}{'after mm':>13}  reason")
-    slowest = 0.0
-    for fault in FAULTS:
-        found = consequence(tracking.copy(), fault)
-        slowest = max(slowest, found.safe_s)
+    print(
+        f"{'fault':<18}{'then':<10}{'until safe ms':>14}{'driven mm':>11}{'after mm':>10}{'astray mm':>11}  reason"
+    )
+    found = {fault.name: consequence(tracking.copy(), fault) for fault in FAULTS}
+    for name, then in found.items():
         print(
-            f"{fault.name:<18}{found.mode:<10}{1e3 * found.safe_s:14.0f}{found.driven_mm:11.2f}{found.after_mm:13.2f}"
-            f"  {found.reason}"
+            f"{name:<18}{then.mode:<10}{1e3 * then.safe_s:14.0f}{then.driven_mm:11.2f}{then.after_mm:10.2f}"
+            f"{then.astray_mm:11.2f}  {then.reason}"
         )
+    endless = [name for name, then in found.items() if np.isinf(then.safe_s)]
+    furthest_mm = max(max(np.nan_to_num(then.driven_mm), then.astray_mm) for then in found.values())
+    print(f"led on, since nothing was noticed or it could be made good: {', '.join(endless) or 'none'}")
     print(
         yardstick(
-            "slowest fault until nothing is driven",
-            "<= 1200 ms",
-            f"{1e3 * slowest:.0f} ms",
-            met=slowest <= 1.2,
+            "furthest that the tip is driven after a fault, or led astray",
+            f"<= {DRIVEN_AT_MOST_MM:g} mm",
+            f"{furthest_mm:.1f} mm",
+            met=furthest_mm <= DRIVEN_AT_MOST_MM,
         )
     )
     return 0

@@ -72,7 +72,7 @@ class VirtualActuators:
             servo.memory["profile_velocity"] = velocity
             servo.memory["profile_acceleration"] = acceleration
             servo.memory["goal_current"] = int(self._settings.maximum_current_ma * 1e-3 / CURRENT_UNIT_A)
-        self._zero_ticks = self._read("present_position")
+        (self._zero_ticks,) = self._read("present_position")
 
     def close(self) -> None:
         """Relax the servos; raises ActuatorError for those that do not confirm."""
@@ -90,24 +90,33 @@ class VirtualActuators:
         self.close()
 
     def read(self) -> ActuatorState:
-        """One reading of all servos; raises ActuatorError and WatchdogExpiredError."""
+        """One reading of all servos; raises ActuatorError, ServoRestartedError and WatchdogExpiredError."""
         self._speak()
-        if not self._read(_CONFIGURED).all():
+        configured, watchdog, ticks, velocity, current, temperature, voltage = self._read(
+            _CONFIGURED,
+            "bus_watchdog",
+            "present_position",
+            "present_velocity",
+            "present_current",
+            "present_temperature",
+            "present_input_voltage",
+        )
+        if not configured.all():
             raise ServoRestartedError("a servo restarted by itself and forgot its turns; home again")
-        if (self._read("bus_watchdog") == WATCHDOG_EXPIRED).any():
+        if (watchdog == WATCHDOG_EXPIRED).any():
             raise WatchdogExpiredError(
                 f"the servos heard nothing for {self._settings.watchdog_ms} ms and stopped"
             )
-        position_mm = (self._read("present_position") - self._zero_ticks) * self._mm_per_tick
-        speed_mm_s = self._read("present_velocity") * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
+        position_mm = (ticks - self._zero_ticks) * self._mm_per_tick
+        speed_mm_s = velocity * VELOCITY_UNIT_RAD_S * (self._mm_per_tick / TICK_RAD)
         return ActuatorState(
             displacement_mm=position_mm[: self._tendon_axes],
             displacement_mm_s=speed_mm_s[: self._tendon_axes],
             insertion_mm=float(position_mm[self._tendon_axes :].sum()),
             insertion_mm_s=float(speed_mm_s[self._tendon_axes :].sum()),
-            current_ma=self._read("present_current") * CURRENT_UNIT_A * 1e3,
-            temperature_c=self._read("present_temperature"),
-            voltage_v=self._read("present_input_voltage") / 10,
+            current_ma=current * CURRENT_UNIT_A * 1e3,
+            temperature_c=temperature,
+            voltage_v=voltage / 10,
             hardware_error=tuple(servo.memory["hardware_error_status"] for servo in self._servos),
             torque=all(servo.torque_enabled for servo in self._servos),
         )
@@ -124,7 +133,8 @@ class VirtualActuators:
     def set_zero(self, displacement_mm: Array, insertion_mm: float) -> None:
         """Call the present position `displacement_mm` (D,) and `insertion_mm`; raises CommandRefusedError."""
         position_mm = self._positions_mm(displacement_mm, insertion_mm)
-        self._zero_ticks = self._read("present_position") - position_mm / self._mm_per_tick
+        (ticks,) = self._read("present_position")
+        self._zero_ticks = ticks - position_mm / self._mm_per_tick
 
     def enable(self) -> None:
         """Hold the present position and arm the watchdog; raises ActuatorError."""
@@ -183,10 +193,14 @@ class VirtualActuators:
     def _hearing(self) -> list[Servo]:
         return [self._servos[axis] for axis in self._answering()]
 
-    def _read(self, register: str) -> Array:
+    def _read(self, *registers: str) -> list[Array]:
+        """(A,) of each register; raises ActuatorError naming the servos that do not answer."""
         answering = self._answering()
         if len(answering) < len(self._servos):
             missing = sorted(set(range(len(self._servos))) - set(answering))
             self._busy_until_s = max(self._now_s, self._busy_until_s) + self._settings.unanswered_s
             raise ActuatorError(f"no answer from servo {', '.join(str(self._servos[a].id) for a in missing)}")
-        return np.array([servo.memory[register] for servo in self._servos], dtype=np.float64)
+        return [
+            np.array([servo.memory[register] for servo in self._servos], dtype=np.float64)
+            for register in registers
+        ]
