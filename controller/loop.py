@@ -11,22 +11,24 @@ from controller import task as tasks
 from controller.cycle import Inputs, Jog, LoopState, Outputs
 from controller.errors import FaultError
 from controller.motion import Motion, Moved
-from controller.orders import Orders, is_order
+from controller.orders import Orders, is_order, replies
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
 from controller.task import Seen
 from controller.watch import Trouble, Watch, distrust
-from messaging.control import Action, Reply, Target
+from messaging.control import Action, Target
 from messaging.settings import RobotSettings
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class _Judged:
-    """What came of a cycle's requests: the answers, the last target and order that were accepted, and where a jog leads."""
+    """What came of a cycle's requests: why they were refused, if they were; the last target and order that were not; where a
+    jog leads.
+    """
 
     state: LoopState
-    replies: tuple[Reply, ...]
+    refusals: list[str]
     target: Target | None
     order: Action | None
     jog: Jog | None
@@ -63,6 +65,7 @@ class Loop:
         state = dataclasses.replace(moved.state, stepped_s=inputs.now_s)
         engage = state.mode.torque and not before.mode.torque
         homed = state.mode is Mode.READY and before.mode is Mode.HOMING
+        reason = self._reason(state, inputs)
         powered = before.mode.torque or (inputs.drive is not None and inputs.drive.torque)
         return state, Outputs(
             tendons=self._plant.kinematics.tendons,
@@ -70,9 +73,9 @@ class Loop:
             engage=engage,
             zero_mm=state.command_mm if homed or engage or moved.renamed else None,
             command_mm=state.command_mm if state.mode.torque else None,
-            replies=judged.replies,
+            replies=replies(inputs.requests, judged.refusals, state.supervision, reason),
             accepted=judged.target,
-            reason=moved.cut_short or self._reason(state, inputs),
+            reason=moved.cut_short or reason,
         )
 
     def _look(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, Seen | None]:
@@ -125,7 +128,7 @@ class Loop:
             state = dataclasses.replace(state, target=targets[-1], joined_s=0.0, progress=0.0)
         return _Judged(
             state=state,
-            replies=self._orders.replies(inputs.requests, refusals, supervision, self._reason(state, inputs)),
+            refusals=refusals,
             target=targets[-1] if targets else None,
             order=None if order is None else order.action,
             jog=jog,
@@ -162,7 +165,7 @@ class Loop:
             noticed.append(Happening(event=Event.SENSING_GOOD, reason="shapes are trusted again"))
         straight_s = now_s - state.straight_since_s
         if state.mode is Mode.HOMING and not blind and straight_s > self._settings.homing.settle_s:
-            noticed.append(Happening(event=Event.HOMED, reason="homed"))
+            noticed.append(Happening(event=Event.HOMED, reason=_homed(state)))
         if state.mode is Mode.RELAXING and not state.command_mm[: self._plant.kinematics.tendons].any():
             noticed.append(Happening(event=Event.RELAXED, reason="relaxed"))
         heartbeat_s = self._settings.operator.heartbeat_s
@@ -193,3 +196,9 @@ class Loop:
         if state.mode is Mode.IDLE and inputs.drive is None:
             return inputs.absence
         return self._motion.doing(state) or state.supervision.reason
+
+
+def _homed(state: LoopState) -> str:
+    """What homing found."""
+    found = [f"{lost_mm:.2f}" for lost_mm in state.lost_motion_mm.tolist() if np.isfinite(lost_mm)]
+    return f"homed; lost motion {', '.join(found)} mm" if found else "homed"

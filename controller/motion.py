@@ -86,8 +86,8 @@ class Motion:
 
     def doing(self, state: LoopState) -> str:
         """What this mode does just now, where its reason does not say it."""
-        if state.search is not None:
-            return self._search.words(state.search)
+        if state.mode is Mode.HOMING:
+            return "leading the robot straight" if state.search is None else self._search.words(state.search)
         if state.jog is not None:
             return state.jog.words
         return "paused by the operator" if state.paused else ""

@@ -24,6 +24,21 @@ def is_order(request: Request) -> TypeGuard[ActionRequest]:
     return isinstance(request, ActionRequest) and request.action is not Action.STATUS
 
 
+def replies(
+    requests: Sequence[Request], refusals: Sequence[str], supervision: Supervision, reason: str
+) -> tuple[Reply, ...]:
+    """One for each request, with what came of it in this cycle; `reason` says why the mode is what it is."""
+    return tuple(
+        Reply(
+            accepted=not refusal,
+            state=supervision.mode.state.value,
+            reason=refusal or (f"target {request.name} accepted" if isinstance(request, Target) else reason),
+            **supervision.told,
+        )
+        for request, refusal in zip(requests, refusals, strict=True)
+    )
+
+
 class Orders:
     """The orders that one robot can be given."""
 
@@ -66,26 +81,7 @@ class Orders:
         return Jog(
             axis=axis,
             goal_mm=float(begin_mm[axis]) + request.distance_mm,
-            words=f"jogging {axis_name(axis, self._plant.limits.tendons)} by {request.distance_mm:g} mm",
-        )
-
-    def replies(
-        self,
-        requests: Sequence[Request],
-        refusals: Sequence[str],
-        supervision: Supervision,
-        reason: str,
-    ) -> tuple[Reply, ...]:
-        """One for each request; `reason` says why the mode is what it is."""
-        return tuple(
-            Reply(
-                accepted=not refusal,
-                state=supervision.mode.state.value,
-                reason=refusal
-                or (f"target {request.name} accepted" if isinstance(request, Target) else reason),
-                **supervision.told,
-            )
-            for request, refusal in zip(requests, refusals, strict=True)
+            words=f"the operator jogs {axis_name(axis, self._plant.limits.tendons)} by {request.distance_mm:g} mm",
         )
 
     def _target_refusal(self, target: Target, state: LoopState, now_s: float) -> str:

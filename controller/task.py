@@ -2,8 +2,10 @@
 
 import dataclasses
 import math
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -121,7 +123,10 @@ def _law_at_work() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        raise LawFailedError(f"the law failed: {type(error).__name__}: {error}") from error
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        raise LawFailedError(
+            f"the law failed: {type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+        ) from error
 
 
 def _compare(reference: Reference, points: Points, measured: Measurement) -> dict[str, Any]:

@@ -15,7 +15,8 @@ from messaging.views import DesiredPointsView, TargetPathView
 
 logger = logging.getLogger(__name__)
 
-_STOP = ActionRequest(action=Action.STOP)
+STOP_REQUEST = ActionRequest(action=Action.STOP)
+"""What a stop signal asks."""
 
 
 class Wire:
@@ -74,8 +75,8 @@ class Wire:
                     requests.append(request)
                     self._asking.append((query.service.key, query.payload, query))
         if self._stop.heard():
-            requests.append(_STOP)
-            self._asking.append((topics.STOP.key, _STOP.to_bytes(), None))
+            requests.append(STOP_REQUEST)
+            self._asking.append((topics.STOP.key, STOP_REQUEST.to_bytes(), None))
         return tuple(requests)
 
     def heartbeat(self) -> bool:

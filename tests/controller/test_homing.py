@@ -40,6 +40,8 @@ def test_the_play_of_every_pair_is_found_and_the_stage_has_none(bench_of, play_m
     homing(bench)
     assert bench.state.mode == "ready"
     np.testing.assert_allclose(bench.state.lost_motion_mm[:4], play_mm, atol=0.06)
+    assert bench.state.supervision.reason.startswith("homed; lost motion 0.")
+    assert bench.state.supervision.reason.count(",") == 3
     assert np.isnan(bench.state.lost_motion_mm[4])
 
 
@@ -76,6 +78,8 @@ def test_without_the_search_the_robot_is_led_straight_at_once(bench_of):
     moments = homing(bench)
     assert bench.state.mode == "ready"
     assert moments[0].state.task is not None
+    assert moments[0].outputs.reason == "leading the robot straight"
+    assert bench.state.supervision.reason == "homed"
     assert np.isnan(bench.state.lost_motion_mm).all()
 
 

@@ -26,13 +26,13 @@ def place(bench, node="tip"):
 def test_a_jog_moves_one_axis_slowly_and_the_robot_stays_homed(homed, axis, index, distance_mm):
     reply = homed.jog(axis, distance_mm)
     assert (reply.accepted, reply.state) == (True, "hold")
-    assert "by the operator" not in reply.reason
+    assert "the operator jogs" in reply.reason
     moments, _ = homed.run(abs(distance_mm) + 0.1)
     sent = commands(moments)
     np.testing.assert_allclose(sent[-1], distance_mm * np.eye(5)[index], atol=1e-9)
     assert np.abs(np.diff(sent, axis=0)).max() <= 1.0 * PERIOD_S * 1.001
     name = "stage" if axis == "stage" else f"tendon {axis}"
-    assert moments[0].outputs.reason == f"jogging {name} by {distance_mm:g} mm"
+    assert moments[0].outputs.reason == f"the operator jogs {name} by {distance_mm:g} mm"
     assert homed.state.jog is None
     assert homed.do("arm").accepted
 
