@@ -5,18 +5,25 @@ Each is what a drawing says. Random benches are drawn around it, and its control
 
 import dataclasses
 
+import msgspec
 import numpy as np
 
 from benchmarks.control.paths import CIRCLE, TIP
-from controller.settings import ControllerSettings, LimitSettings, SectionTendons
+from controller.settings import ControllerSettings, HomingSettings, LimitSettings, SectionTendons
 from drivers.simulated.robot.settings import SectionSettings, SimulatedRobotSettings
+from drivers.simulated.servos.settings import MotorSettings
 from messaging.control import Target
 from messaging.settings import RobotSettings
 from nodal.targets import circle
-from nodal.virtual.settings import ShapeSettings, VirtualBenchSettings
+from nodal.virtual.settings import ServoSettings, ShapeSettings, VirtualBenchSettings
 
 SECTION_MM = 40.0
 POINTS_PER_SECTION = 20
+STAGE_MM, LOWERED_MM = 5.0, 3.0
+"""How far above, or below, a straight robot's tip its circle lies."""
+EASY_SERVOS = ServoSettings(tendon_mm_per_rad=10.0, motor=MotorSettings(friction_Nm=0.02))
+"""Single tendons are tightened until a current rises, so their servos must feel a few newtons in spite of their own friction."""
+EASY_HOMING, EASY_LIMITS = HomingSettings(tension_ma=30.0), LimitSettings(least_tension_ma=15.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +47,12 @@ BENCH_ROBOT = Robot(
 
 
 def _robot(
-    name: str, angles_deg: list[tuple[float, ...]], *, single: bool = False, radius_mm: float = 15.0
+    name: str,
+    angles_deg: list[tuple[float, ...]],
+    *,
+    single: bool = False,
+    stage: bool = True,
+    radius_mm: float = 15.0,
 ) -> Robot:
     """Sections of 40 mm with tendon pairs, or single tendons, at these angles; more of them pull over more."""
     count = len(angles_deg)
@@ -64,16 +76,26 @@ def _robot(
                 tendons_per_servo=1 if single else 2,
                 centreline_points=POINTS_PER_SECTION * count + 1,
             ),
+            stage=stage,
+            servos=EASY_SERVOS if single else ServoSettings(),
             shape=ShapeSettings(
                 node_names=(*(f"end {n}" for n in range(1, count)), TIP), node_arc_mm=tuple(ends_mm.tolist())
             ),
         ),
         controller=ControllerSettings(
-            sections=tuple(tendons), limits=LimitSettings(displacement_mm=5.0 * count)
+            sections=tuple(tendons),
+            limits=LimitSettings(
+                displacement_mm=5.0 * count, least_tension_ma=EASY_SLACK_MA if single else 40.0
+            ),
+            homing=HomingSettings(tension_ma=EASY_TENSION_MA) if single else HomingSettings(),
         ),
-        robot=RobotSettings(section_length_mm=(SECTION_MM,) * count),
+        robot=RobotSettings(section_length_mm=(SECTION_MM,) * count, stage=stage),
         circle=circle(
-            TIP, radius_mm=radius_mm, period_s=10.0, height_mm=SECTION_MM * count + 5.0, centre_mm=(0.0, 0.0)
+            TIP,
+            radius_mm=radius_mm,
+            period_s=10.0,
+            height_mm=SECTION_MM * count + (STAGE_MM if stage else -LOWERED_MM),
+            centre_mm=(0.0, 0.0),
         ),
     )
 
@@ -83,5 +105,6 @@ OTHER_ROBOTS = (
     _robot("three sections", [(0.0, 90.0), (30.0, 120.0), (60.0, 150.0)]),
     _robot("four sections", [(0.0, 90.0), (22.5, 112.5), (45.0, 135.0), (67.5, 157.5)]),
     _robot("three pairs", [(0.0, 60.0, 120.0), (30.0, 90.0, 150.0)]),
+    _robot("no stage", [(0.0, 90.0), (45.0, 135.0)], stage=False),
     _robot("single tendons", [(90.0, 210.0, 330.0), (30.0, 150.0, 270.0)], single=True),
 )

@@ -13,6 +13,7 @@ def random_bench(seed: int, nominal: VirtualBenchSettings | None = None) -> Virt
     """The nominal bench with everything that a drawing or a data sheet leaves open; the same seed gives the same bench."""
     nominal = nominal or VirtualBenchSettings()
     random = np.random.default_rng([seed, 0x6E6F64616C])
+    motor = nominal.servos.motor
 
     def between(low: float, high: float) -> float:
         return float(random.uniform(low, high))
@@ -39,7 +40,7 @@ def random_bench(seed: int, nominal: VirtualBenchSettings | None = None) -> Virt
             ),
             profile_velocity_rad_s=between(3.0, 4.8),
             profile_acceleration_rad_s2=between(60.0, 150.0),
-            motor=replace(nominal.servos.motor, friction_Nm=between(0.05, 0.12)),
+            motor=replace(motor, friction_Nm=motor.friction_Nm * between(0.6, 1.5)),
         ),
         seed=seed,
     )
