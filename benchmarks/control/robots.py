@@ -84,10 +84,10 @@ def _robot(
         ),
         controller=ControllerSettings(
             sections=tuple(tendons),
-            limits=LimitSettings(
-                displacement_mm=5.0 * count, least_tension_ma=EASY_SLACK_MA if single else 40.0
+            limits=msgspec.structs.replace(
+                EASY_LIMITS if single else LimitSettings(), displacement_mm=5.0 * count
             ),
-            homing=HomingSettings(tension_ma=EASY_TENSION_MA) if single else HomingSettings(),
+            homing=EASY_HOMING if single else HomingSettings(),
         ),
         robot=RobotSettings(section_length_mm=(SECTION_MM,) * count, stage=stage),
         circle=circle(
