@@ -75,6 +75,7 @@ class Kinematics:
         self.tendons = sum(len(angle) for angle in angles)
         self.axes = self.tendons + stage
         self.stage = stage
+        self.coupling = coupling
         self.command_of_coordinates = np.zeros((self.axes, 2 * sections + stage))
         """(A, C): the command that bends all sections so."""
         self.command_of_coordinates[self.tendons :, 2 * sections :] = 1.0
@@ -137,7 +138,7 @@ def _check_spread(section: int, angle_rad: Array, pull: Array) -> None:
     strength = np.linalg.svd(pull, compute_uv=False) if len(angle_rad) > 1 else np.zeros(2)
     if strength[1] < _LEAST_SPREAD * max(strength[0], 1.0):
         raise ControllerSetupError(
-            f"section {section + 1}: tendons at {np.degrees(angle_rad).tolist()} degrees must not all pull the same way"
+            f"section {section + 1}: tendons at {np.degrees(angle_rad).round(6).tolist()} degrees must not all pull the same way"
         )
 
 
