@@ -25,6 +25,7 @@ from drivers.dynamixel.errors import (
 from drivers.dynamixel.feedback import Feedback
 from drivers.dynamixel.port import Line, SerialPort
 from drivers.dynamixel.settings import ServoSettings
+from drivers.dynamixel.whereabouts import Whereabouts
 
 
 class TendonActuators:
@@ -43,20 +44,20 @@ class TendonActuators:
             retries=settings.retries,
         )
         self._axes: list[Axis] = []
+        self._whereabouts = Whereabouts()
 
     def open(self) -> None:
         """Reach and check every servo, relax it, set what its RAM needs; its position, or its `zero_ticks`, becomes 0 mm.
 
-        Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError, and once RestartedError when servos
-        that this object had set up before have restarted since; the port is then closed again.
+        Raises PortError, NoAnswerError, WrongModelError, WrongSetupError, StatusError, and RestartedError when servos that
+        were open before have restarted since, unless that was said already; the port is then closed again.
         """
         self._bus.open()
         try:
             self._relax_unheard()
             models = identify(self._bus, self._settings.axes)
             self.disable()
-            known, self._axes = bool(self._axes), []
-            if known:
+            if self._axes:
                 self._check_memory(models[0].indirect_data_1)
             axes = [Axis(axis, model, 0.0) for axis, model in zip(self._settings.axes, models, strict=True)]
             for axis in axes:
@@ -64,9 +65,7 @@ class TendonActuators:
                 configure(self._bus, axis, self._settings)
             self._axes = axes
             self._axes = [
-                axis.zeroed(
-                    block.position if axis.settings.zero_ticks is None else axis.settings.zero_ticks, 0.0
-                )
+                self._whereabouts.found(axis, block.position)
                 for axis, block in zip(axes, self._feedback(), strict=True)
             ]
         except BaseException:
@@ -98,6 +97,7 @@ class TendonActuators:
     def read(self) -> ActuatorState:
         """One reading of all servos, in one exchange; raises WatchdogExpiredError, NoAnswerError, StatusError."""
         blocks = self._feedback()
+        self._whereabouts.saw({servo: b.position for servo, b in zip(self._ids, blocks, strict=True)})
         expired = [
             a.settings.name
             for a, b in zip(self._axes, blocks, strict=True)
@@ -155,17 +155,6 @@ class TendonActuators:
         self._set(table.TORQUE_ENABLE, 0)
         self._set(table.BUS_WATCHDOG, 0)
 
-    def reboot(self, servo: int) -> None:
-        """Restart one servo, by its id, after a hardware error; it comes back relaxed, and its axis keeps its mm."""
-        if servo not in self._ids:
-            raise CommandRefusedError(f"there is no servo {servo} to reboot; the axes have {self._ids}")
-        axes, number = self._opened(), self._ids.index(servo)
-        before = self._bus.read(servo, table.PRESENT_POSITION)
-        self._bus.reboot(servo)
-        after = self._bus.read(servo, table.PRESENT_POSITION)
-        axes[number] = axes[number].after_reboot(before, after)
-        configure(self._bus, axes[number], self._settings)
-
     def _set(self, register: Register, *values: int) -> None:
         """Write a register of all servos (one value for all, or one each) and see that it arrived.
 
@@ -197,8 +186,12 @@ class TendonActuators:
         self._bus.sync_write(table.TORQUE_ENABLE, dict.fromkeys(self._ids, 0))
 
     def _check_memory(self, indirect_data_1: int) -> None:
-        blocks = self._bus.sync_read_bytes(self._ids, indirect_data_1, feedback.SIZE)
-        self._check_genuine({servo: feedback.decode(block) for servo, block in blocks.items()})
+        """Whether servos that were set up before remember it."""
+        answers = self._bus.sync_read_bytes(self._ids, indirect_data_1, feedback.SIZE)
+        blocks = {servo: feedback.decode(block) for servo, block in answers.items()}
+        restarted = self._restarted(blocks)
+        if self._whereabouts.restarted(restarted):
+            raise self._restart(restarted, blocks)
 
     def _feedback(self) -> list[Feedback]:
         address = self._opened()[0].model.indirect_data_1
@@ -209,16 +202,19 @@ class TendonActuators:
             error.add(hardware_words({servo: block.hardware_error for servo, block in heard.items()}))
             raise
         blocks = {servo: feedback.decode(block) for servo, block in answers.items()}
-        self._check_genuine(blocks)
+        if restarted := self._restarted(blocks):
+            self._whereabouts.restarted(restarted)
+            raise self._restart(restarted, blocks)
         return list(blocks.values())
 
-    def _check_genuine(self, blocks: Mapping[int, Feedback]) -> None:
-        restarted = [servo for servo, block in blocks.items() if not block.is_genuine]
-        if restarted:
-            raise RestartedError(
-                f"{self._bus.port}: servo {restarted} restarted by itself (a dip of its supply?) and forgot its turns; "
-                f"open the servos and home again{self._hardware_words(list(blocks.values()))}"
-            )
+    def _restarted(self, blocks: Mapping[int, Feedback]) -> list[int]:
+        return [servo for servo, block in blocks.items() if not block.is_genuine]
+
+    def _restart(self, restarted: Sequence[int], blocks: Mapping[int, Feedback]) -> RestartedError:
+        return RestartedError(
+            f"{self._bus.port}: servo {list(restarted)} restarted by itself (a dip of its supply?) and forgot its turns; "
+            f"open the servos and home again{self._hardware_words(list(blocks.values()))}"
+        )
 
     def _hardware_words(self, blocks: Sequence[Feedback]) -> str:
         bits = {servo: block.hardware_error for servo, block in zip(self._ids, blocks, strict=True)}

@@ -39,7 +39,7 @@ class Axis:
         """The Goal Current that bounds the servo's effort."""
         return int(self.settings.max_current_ma / self.model.current_unit_ma)
 
-    def zeroed(self, ticks: int, position_mm: float) -> "Axis":
+    def zeroed(self, ticks: float, position_mm: float) -> "Axis":
         """The same axis, calling Present Position `ticks` `position_mm`; raises WrongSetupError beyond the servo's turns."""
         zero = ticks - position_mm / self.mm_per_tick
         for limit_mm in (self.settings.min_mm, self.settings.max_mm):

@@ -1,7 +1,5 @@
 """The whole drive in mm against emulated servos: what it checks, what it refuses, and that it always lets go."""
 
-import threading
-
 import msgspec
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from drivers.dynamixel import control_table as table
 from drivers.dynamixel.actuators import TendonActuators
 from drivers.dynamixel.bus import DynamixelBus
 from drivers.dynamixel.errors import (
-    HardwareError,
     NoAnswerError,
     PortLostError,
     PortMissingError,
@@ -167,34 +164,6 @@ def test_reading_feeds_the_watchdog(bench, actuators):
         actuators.read()
 
 
-def test_a_broken_servo_is_named_and_reboots_without_losing_its_place(bench, actuators):
-    actuators.enable()
-    hold(actuators, bench, [6.0, 0.0, 0.0, 0.0], 0.0)
-    for _ in range(3):  # more than a turn away from where it started
-        actuators.set_zero(np.array([-6.0, 0.0, 0.0, 0.0]), 0.0)
-        hold(actuators, bench, [6.0, 0.0, 0.0, 0.0], 0.0, seconds=2.0)
-    before = actuators.read()
-    bench.fail(11, 0x20)
-    state = actuators.read()
-    assert state.hardware_error == (0x20, 0, 0, 0, 0)
-    assert not state.torque
-    actuators.disable()
-    with pytest.raises(HardwareError, match="servo 11: overload"):
-        actuators.enable()
-    passing = threading.Event()
-    clock = threading.Thread(target=lambda: [bench.run(0.02) for _ in iter(lambda: passing.wait(0.01), True)])
-    clock.start()
-    try:
-        actuators.reboot(11)
-    finally:
-        passing.set()
-        clock.join()
-    after = actuators.read()
-    assert after.hardware_error == (0,) * 5
-    assert np.allclose(after.displacement_mm, before.displacement_mm, atol=0.1)
-    actuators.enable()
-
-
 def test_a_servo_that_restarted_by_itself_is_not_believed(bench, actuators):
     actuators.enable()
     bench.restart(21)
@@ -213,11 +182,6 @@ def test_a_drive_that_was_not_opened_says_so(settings):
     ):
         with pytest.raises(PortLostError, match="not"):
             use(TendonActuators(settings))
-
-
-def test_rebooting_a_servo_that_is_not_there_is_refused(actuators):
-    with pytest.raises(CommandRefusedError, match="no servo 5"):
-        actuators.reboot(5)
 
 
 def enable_and_raise(settings, trouble, before_raising=lambda: None):
