@@ -11,13 +11,13 @@ M_PER_MM = 1e-3
 
 
 class Mechanism:
-    """Servos, drive and robot as one. Before the first step the robot stands straight and the stage is at zero."""
+    """Servos, drive and robot as one. Before the first step the robot stands straight and the stage, if any, is at zero."""
 
     def __init__(self, robot: SimulatedRobot, servos: EmulatedServos, drive: DriveSettings) -> None:
         self._robot = robot
         self._servos = servos
         self._drive = drive
-        self._load_Nm: NDArray[np.float64] = np.zeros(robot.servos + 1)
+        self._load_Nm: NDArray[np.float64] = np.zeros(servos.count)
 
     @property
     def state(self) -> RobotState:
@@ -26,8 +26,9 @@ class Mechanism:
 
     def step(self, dt_s: float) -> RobotState:
         """Let the servos turn against the robot's last pull, then the robot follow."""
-        angle_rad = self._servos.step(dt_s, self._load_Nm)
-        displacement_mm = angle_rad[:-1] * self._drive.pulley_mm_per_rad
-        state = self._robot.step(displacement_mm, float(angle_rad[-1]) * self._drive.stage_mm_per_rad, dt_s)
-        self._load_Nm[:-1] = state.servo_load_N * self._drive.pulley_mm_per_rad * M_PER_MM
+        angle_rad, pulling = self._servos.step(dt_s, self._load_Nm), self._robot.servos
+        displacement_mm = angle_rad[:pulling] * self._drive.pulley_mm_per_rad
+        insertion_mm = float(angle_rad[pulling:].sum()) * self._drive.stage_mm_per_rad
+        state = self._robot.step(displacement_mm, insertion_mm, dt_s)
+        self._load_Nm[:pulling] = state.servo_load_N * self._drive.pulley_mm_per_rad * M_PER_MM
         return state

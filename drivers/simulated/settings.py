@@ -21,7 +21,7 @@ class DriveSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The simulated bench. Where its cameras stand is said by the bench's calibration.
 
-    `servos.ids` are the tendons' or pairs' in the robot's order, and last the stage's.
+    `servos.ids` are the tendons' or pairs' in the robot's order, and last the stage's, if the robot stands on one.
     """
 
     servos: EmulatedServosSettings
@@ -37,11 +37,11 @@ class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
         """Check what the bounds of single fields cannot say."""
         tendons = sum(len(section.tendon_angles_deg) for section in self.robot.sections)
         pulling = tendons // self.robot.tendons_per_servo
-        if len(self.servos.ids) != pulling + 1:
+        if len(self.servos.ids) not in (pulling, pulling + 1):
             what = "tendon pairs" if self.robot.tendons_per_servo == 2 else "tendons"
             raise ValueError(
-                f"servos.ids {list(self.servos.ids)}: the robot has {pulling} {what}, so {pulling} ids and the "
-                "stage's are needed"
+                f"servos.ids {list(self.servos.ids)}: the robot has {pulling} {what}, so {pulling} ids are "
+                "needed, and the stage's if there is one"
             )
         if len(self.cameras.body.diameter_mm) != len(self.robot.sections):
             raise ValueError(

@@ -50,6 +50,11 @@ class EmulatedServos:
         self.close()
 
     @property
+    def count(self) -> int:
+        """How many servos there are."""
+        return len(self._bus.servos)
+
+    @property
     def torque_enabled(self) -> tuple[bool, ...]:
         """Which servos (n) drive their motors."""
         with self._lock:
@@ -61,7 +66,7 @@ class EmulatedServos:
         A positive load pulls its horn towards smaller angles. Raises ServoStepError on loads or times that cannot be,
         EmulatedServosError when the device is served no more.
         """
-        count = len(self._bus.servos)
+        count = self.count
         if np.shape(load_torque_Nm) != (count,) or not np.isfinite(load_torque_Nm).all() or not 0 < dt_s <= 1:
             raise ServoStepError(
                 f"a step of {dt_s} s with loads {load_torque_Nm} Nm: needed are {count} finite loads and 0 to 1 s"

@@ -150,7 +150,10 @@ def test_a_bench_whose_camera_dies_ends_with_an_error_that_names_it(start, sessi
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"servos": {"link": "x", "ids": [1, 2, 3]}}, "4 tendon pairs, so 4 ids and the stage's are needed"),
+        (
+            {"servos": {"link": "x", "ids": [1, 2, 3]}},
+            "4 tendon pairs, so 4 ids are needed, and the stage's if",
+        ),
         (
             {"cameras": {"body": {"diameter_mm": [6.0]}}},
             "one colour for each|one for each of the robot's 2 sections|colours",

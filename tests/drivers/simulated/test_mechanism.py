@@ -1,0 +1,22 @@
+"""Servos, drive and robot as one, with and without a stage."""
+
+import numpy as np
+import pytest
+
+from drivers.simulated.mechanism import Mechanism
+from drivers.simulated.robot.robot import SimulatedRobot
+from drivers.simulated.servos.emulated import EmulatedServos
+from drivers.simulated.servos.settings import EmulatedServosSettings
+from drivers.simulated.settings import SimulationSettings
+
+
+@pytest.mark.parametrize(("ids", "insertion_mm"), [((1, 2, 3, 4), 0.0), ((1, 2, 3, 4, 5), 3.0)])
+def test_the_last_servo_moves_the_stage_if_there_is_one(tmp_path, ids, insertion_mm):
+    link = EmulatedServosSettings(link=str(tmp_path / "servos"), ids=ids)
+    settings = SimulationSettings(servos=link)
+    with EmulatedServos(link) as servos:
+        mechanism = Mechanism(SimulatedRobot(settings.robot), servos, settings.drive)
+        servos._bus.servos[-1].motor.position_rad = insertion_mm / settings.drive.stage_mm_per_rad
+        state = mechanism.step(0.005)
+    assert state.shape.centreline_mm[0, 2] == pytest.approx(insertion_mm, abs=1e-3)
+    assert np.isfinite(state.shape.centreline_mm).all()
