@@ -136,19 +136,24 @@ def test_the_operators_hold_does_not_end_by_itself_and_does_not_need_shapes(trac
     assert "no trusted shape" in refused.reason
 
 
-@pytest.fixture(params=["homing", "ready", "tracking", "hold", "waiting", "relaxing"])
+@pytest.fixture(params=["homing", "ready", "tracking", "paused", "hold", "waiting", "relaxing", "unhomed"])
 def powered(request, paper_bench, homed, tracking):
     """A bench in each of the modes with torque."""
-    bench = {"homing": paper_bench, "ready": homed}.get(request.param, tracking)
+    bench = {"homing": paper_bench, "unhomed": paper_bench, "ready": homed}.get(request.param, tracking)
     if request.param == "homing":
         bench.run(0.2)
         bench.do("home", 0.3)
+    elif request.param == "unhomed":
+        bench.jog("2", 1.0, 0.3)
+    elif request.param == "paused":
+        bench.do("pause", 0.3)
+        assert bench.state.paused
     elif request.param == "waiting":
         bench.camera = lambda _: None
         bench.run(0.3)
     elif request.param in ("hold", "relaxing"):
         bench.do({"hold": "hold", "relaxing": "relax"}[request.param])
-    assert bench.state.mode == request.param
+    assert bench.state.mode == ("tracking" if request.param == "paused" else request.param)
     return bench
 
 
@@ -190,6 +195,18 @@ TROUBLES = {
     overload: "tendon 1 draws 1234 mA for more than 0.1 s; at most 1000 mA are allowed",
     run_away: r"tendon 2: .* mm, travel -5 to 5",
 }
+
+
+@pytest.mark.parametrize("trouble", [trouble for trouble in TROUBLES if trouble is not overload])
+def test_stop_beside_trouble_is_obeyed_and_the_trouble_is_not_forgotten(powered, trouble):
+    trouble(powered)
+    (moment,), (reply,) = powered.run(PERIOD_S, ActionRequest(action=Action.STOP))
+    assert reply.accepted
+    assert moment.outputs.release
+    assert moment.outputs.command_mm is None
+    assert moment.state.mode == "fault"
+    assert re.search(TROUBLES[trouble], reply.reason)
+    assert reply.fault
 
 
 @pytest.mark.parametrize("trouble", TROUBLES)
