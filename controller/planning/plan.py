@@ -14,7 +14,7 @@ from controller.easing import EASING_S, Stretch
 from controller.errors import NoWayError
 from controller.path import along
 from controller.planning.search import Search, Way
-from controller.planning.solving import Wanted, bent_starts, shortfall_mm, solve
+from controller.planning.solving import Wanted, bent_starts, shortfall, solve
 from controller.planning.space import Space
 from controller.planning.timing import Timing
 from controller.plant import Plant
@@ -36,6 +36,7 @@ _LEAST_MOMENTS, _MOST_MOMENTS = 12, 300
 _MOST_SAMPLES = 4000
 _CLOSE_MM = 0.05
 _EASED_MOMENTS = 7
+_LEAST_S = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,12 +103,13 @@ def plan(
 def _goals(space: Space, asked: Demands, within_mm: float) -> Array:
     """(g, C) configurations that the way may end in: of a path, where it was found to begin; of places, all that are known."""
     first = asked.configurations[:1]
-    if len(asked.moment_s) > 1:
-        return first
-    starts = np.concatenate([first[None], bent_starts(space, asked.wanted)])[:, 0]
+    starts = first
+    if len(asked.moment_s) == 1:
+        starts = np.concatenate([first, bent_starts(space, asked.wanted)[:, 0]])
     wanted = asked.wanted.at(np.zeros(len(starts), dtype=np.intp))
     solved = solve(space, wanted, starts, near_enough_mm=_CLOSE_MM)
-    return np.concatenate([first, solved[shortfall_mm(space, wanted, solved, within_mm) == 0]])
+    well = solved[shortfall(space, wanted, solved, within_mm) == 0]
+    return well if len(well) else first
 
 
 def _joined(
@@ -132,6 +134,8 @@ def _joined(
     on_way, _ = space.nodes_and_jacobian(way_configurations, led)
     on_path, _ = space.nodes_and_jacobian(configurations, led)
     on_path[:, : len(target.node_names)] = along(target, path_s).node_mm
+    # by the model the way ends very near to where the target begins; what is left is made up on the way
+    on_way += (way_time_s / max(way_s, _LEAST_S))[:, None, None] * (on_path[0] - on_way[-1])
     guide_weight = GUIDE_WEIGHT * float(target.weights.max())
     return Target(
         name=target.name,

@@ -21,7 +21,11 @@ _DAMPING_MM = 0.3
 _STAGE_DAMPING_MM = 1e-3
 _STEP_MM = 1.5
 """How far a coordinate moves in one step: the model is not straight for longer."""
-_SETTLED_MM = 1e-3
+_PATIENCE, _HOPE = 4, 0.9
+"""After so many steps the distance must have shrunk to this share for more of them to be worth their time."""
+_MISS_COUNTS = 100.0
+_TRIED = 3
+"""How many moments of a path are tried from other starts."""
 _AT_END_MM = 1e-6
 _HELD = 1e3
 """How much heavier than a nodal point an axis weighs that stands at its end."""
@@ -85,15 +89,17 @@ def solve_path(space: Space, wanted: Wanted, *, near_enough_mm: float, start: Ar
     coarse = wanted.at(some)
     first = start_of(space, coarse) if start is None else np.tile(start, (len(some), 1))
     solved = solve(space, coarse, first, near_enough_mm=near_enough_mm)
-    if shortfall_mm(space, coarse, solved, near_enough_mm).any():
-        solved = _best_of(space, coarse, solved, near_enough_mm)
+    short = shortfall(space, coarse, solved, near_enough_mm)
+    if short.any():
+        solved = _from_other_starts(space, coarse, solved, short, near_enough_mm)
+        short = shortfall(space, coarse, solved, near_enough_mm)
     if len(some) == moments:
         return solved
     each = np.arange(moments)
     between = np.stack([np.interp(each, some, column) for column in solved.T], axis=-1)
     solved = solve(space, wanted, between, near_enough_mm=near_enough_mm)
-    for _ in range(_SPREADS):
-        bad = shortfall_mm(space, wanted, solved, near_enough_mm) > 0
+    for _ in range(0 if short.any() else _SPREADS):
+        bad = shortfall(space, wanted, solved, near_enough_mm) > 0
         if not bad.any() or bad.all():
             break
         # between two branches: go on from the neighbours
@@ -104,21 +110,29 @@ def solve_path(space: Space, wanted: Wanted, *, near_enough_mm: float, start: Ar
     return solved
 
 
-def _best_of(space: Space, wanted: Wanted, known: Array, near_enough_mm: float) -> Array:
+def _from_other_starts(
+    space: Space, wanted: Wanted, known: Array, short: Array, near_enough_mm: float
+) -> Array:
+    """The same, all from the start that serves the worst moments best, if that is better than what is known."""
+    worst = np.argsort(short)[-_TRIED:]
     starts = bent_starts(space, wanted)
-    together = wanted.at(np.tile(np.arange(len(wanted.place_mm)), len(starts)))
-    others = _to_places(space, together, starts.reshape(-1, space.coordinates), near_enough_mm=near_enough_mm)
-    candidates = np.concatenate([known[None], others.reshape(starts.shape)])
-    worst = [shortfall_mm(space, wanted, each, near_enough_mm).max() for each in candidates]
-    best: Array = candidates[int(np.argmin(worst))]
-    return _clear(space, wanted, best, near_enough_mm)
+    tried = wanted.at(np.tile(worst, len(starts)))
+    there = _to_places(
+        space, tried, starts[:, worst].reshape(-1, space.coordinates), near_enough_mm=near_enough_mm
+    )
+    failing = shortfall(space, tried, there, near_enough_mm).reshape(len(starts), -1).max(axis=1)
+    if failing.min() >= short.max():
+        return known
+    return solve(space, wanted, starts[failing.argmin()], near_enough_mm=near_enough_mm)
 
 
-def shortfall_mm(space: Space, wanted: Wanted, configurations: Array, near_enough_mm: float) -> Array:
-    """(k,) by how much nodal points miss their places, or the body comes too near to regions; 0 where all is well."""
+def shortfall(space: Space, wanted: Wanted, configurations: Array, near_enough_mm: float) -> Array:
+    """(k,) how bad they are, 0 where all is well: by how much the body comes too near to regions, and, counting far more,
+    by how much nodal points miss their places.
+    """
     missed = missed_mm(space, wanted, configurations).max(axis=-1) - near_enough_mm
-    shortfall: Array = np.maximum(np.maximum(missed, -space.spare_mm(configurations)), 0.0)
-    return shortfall
+    bad: Array = np.maximum(np.maximum(_MISS_COUNTS * missed, -space.spare_mm(configurations)), 0.0)
+    return bad
 
 
 def missed_mm(space: Space, wanted: Wanted, configurations: Array) -> Array:
@@ -141,7 +155,7 @@ def _clear(space: Space, wanted: Wanted, solved: Array, near_enough_mm: float) -
     if not len(close):
         return solved
     pushed = _out_of_regions(space, wanted.at(close), solved[close])
-    well = shortfall_mm(space, wanted.at(close), pushed, 2 * near_enough_mm) == 0
+    well = shortfall(space, wanted.at(close), pushed, 2 * near_enough_mm) == 0
     cleared = solved.copy()
     cleared[close[well]] = pushed[well]
     return cleared
@@ -159,16 +173,21 @@ def _out_of_regions(space: Space, wanted: Wanted, start: Array) -> Array:
 
 def _to_places(space: Space, wanted: Wanted, start: Array, *, near_enough_mm: float) -> Array:
     solved, going = start.copy(), np.arange(len(start))
-    for _ in range(_STEPS):
+    before_mm = np.full(len(start), np.inf)
+    for step in range(_STEPS):
         here = solved[going]
         nodes, jacobian = space.nodes_and_jacobian(here, wanted.arc_mm)
         missing = wanted.place_mm[going] - nodes
         there = _stepped(
             space, here, _rows(wanted.root[..., None] * jacobian), _values(wanted.root * missing)
         )
-        far = np.linalg.norm(missing, axis=-1).max(axis=-1) > near_enough_mm
+        missed = np.linalg.norm(missing, axis=-1).max(axis=-1)
+        far = missed > near_enough_mm
         solved[going[far]] = there[far]
-        going = going[far & (np.abs(there - here).max(axis=-1) > _SETTLED_MM)]
+        if step % _PATIENCE == _PATIENCE - 1:
+            far &= missed < _HOPE * before_mm[going]
+            before_mm[going] = missed
+        going = going[far]
         if not len(going):
             break
     return solved
