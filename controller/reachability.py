@@ -35,7 +35,7 @@ class Demands:
     moment_s: Array
     wanted: Wanted
     speed_mm_s: Array
-    """(k,) of the fastest nodal point."""
+    """(k, n)."""
     configurations: Array
     """(k, C) that come nearest to what is asked."""
     missed_mm: Array
@@ -90,11 +90,11 @@ def check_target(
     space, within_mm = Space(plant), settings.reachable_within_mm
     _check_seam(target)
     asked = demands(target, node_arc_mm, space, within_mm)
-    fastest = int(asked.speed_mm_s.argmax())
-    if asked.speed_mm_s[fastest] > settings.maximum_node_speed_mm_s * (1 + 1e-6):
+    moment, node = np.unravel_index(asked.speed_mm_s.argmax(), asked.speed_mm_s.shape)
+    if asked.speed_mm_s[moment, node] > settings.maximum_node_speed_mm_s * (1 + 1e-6):
         raise TooFastError(
-            f"target {target.name}: {' or '.join(asked.names)} moves at {asked.speed_mm_s[fastest]:.1f} mm/s "
-            f"at {asked.moment_s[fastest]:g} s; at most {settings.maximum_node_speed_mm_s:g} mm/s are allowed"
+            f"target {target.name}: {asked.names[node]} moves at {asked.speed_mm_s[moment, node]:.1f} mm/s "
+            f"at {asked.moment_s[moment]:g} s; at most {settings.maximum_node_speed_mm_s:g} mm/s are allowed"
         )
     _check_reach(target, asked, plant, within_mm)
     if asked.nearest is not None and asked.nearest.spare_mm < 0:
@@ -115,16 +115,16 @@ def check_target(
 
 
 def _moments(target: Target, driven: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Moments (k,) of the path spread evenly, and the fastest; and how fast the fastest nodal point moves then (k,)."""
+    """Moments (k,) of the path spread evenly, and the fastest; and how fast nodal points move then (k, n)."""
     times = target.time_s
     if len(times) == 1:
-        return times, np.zeros(1)
+        return times, np.zeros((1, len(driven)))
     each = np.sort(np.concatenate([times, (times[1:] + times[:-1]) / 2]))
     # at its very end a path stands; just before, it does not
     each[-1] = np.nextafter(each[-1], 0)
-    speed = np.linalg.norm(along(target, each).velocity_mm_s[:, driven], axis=-1).max(axis=-1)
+    speed = np.linalg.norm(along(target, each).velocity_mm_s[:, driven], axis=-1)
     spread = np.linspace(0, len(each) - 1, min(len(each), _CHECKED_MOMENTS)).round().astype(int)
-    chosen = np.union1d(spread, speed.argmax())
+    chosen = np.union1d(spread, speed.max(axis=-1).argmax())
     return each[chosen], speed[chosen]
 
 

@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     circle.add_argument(
         "--period", type=float, metavar="S", help="of one round; default 10, or as fast as it goes"
     )
-    circle.add_argument("--height", type=float, default=70.0, metavar="MM", help="of the centre; default 70")
+    circle.add_argument("--height", type=float, default=85.0, metavar="MM", help="of the centre; default 85")
     circle.add_argument("--centre", type=_numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0")
     circle.add_argument(
         "--axis",
