@@ -62,7 +62,15 @@ def main() -> None:
     parser.add_argument(
         "--seconds", type=float, default=8.0, help="length of each of the four runs (default 8)"
     )
-    seconds = parser.parse_args().seconds
+    parser.add_argument(
+        "--fifo",
+        action="store_true",
+        help="with real-time priority, for a computer that does other things too",
+    )
+    arguments = parser.parse_args()
+    seconds = arguments.seconds
+    if arguments.fifo:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))  # the servos' process inherits it
     print(
         f"{len(IDS)} servos, {RATE_HZ} Hz, {BAUD_RATE} baud, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before"
     )
