@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kinds = parser.add_subparsers(required=True, metavar="KIND")
 
     point = _kind(
-        kinds, "point", "hold nodal points at places", "tip=10,0,75 middle=5,0,40 --weight middle=0.2"
+        kinds, "point", "hold nodal points at places", "tip=10,0,82 middle=3,0,42 --weight middle=0.2"
     )
     point.add_argument("places", nargs="+", type=_named(3), metavar="NAME=X,Y,Z")
     _add_weight(point)
