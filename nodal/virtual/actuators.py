@@ -122,13 +122,12 @@ class VirtualActuators:
         )
 
     def write(self, displacement_mm: Array, insertion_mm: float) -> None:
-        """Set the goals, which nobody acknowledges; raises CommandRefusedError."""
+        """Set the goals, which nobody acknowledges and an expired watchdog ignores; raises CommandRefusedError."""
         goal_mm = self._positions_mm(displacement_mm, insertion_mm)
         ticks = np.round(self._zero_ticks + goal_mm / self._mm_per_tick).astype(int).tolist()
         self._speak()
         for servo, goal in zip(self._hearing(), [ticks[axis] for axis in self._answering()], strict=True):
-            if servo.memory["bus_watchdog"] != WATCHDOG_EXPIRED:
-                servo.memory["goal_position"] = goal
+            servo.memory["goal_position"] = goal
 
     def set_zero(self, displacement_mm: Array, insertion_mm: float) -> None:
         """Call the present position `displacement_mm` (D,) and `insertion_mm`; raises CommandRefusedError."""

@@ -55,6 +55,14 @@ def test_hessian_is_near_enough_to_the_derivative_of_force(mechanics, law):
     np.testing.assert_allclose(hessian, numeric, atol=0.02 * np.abs(numeric).max())
 
 
+def test_forces_on_disks_resist_strain_as_their_gradient_says(mechanics):
+    strain = np.random.default_rng(6).normal(size=SIZE) * 0.01
+    load = mechanics.pose(strain).load
+    numeric = derivative(lambda u: mechanics.pose(u).load.gradient, strain)
+    exact, near = np.triu(numeric, 3), np.triu(load.second_derivative(), 3)
+    np.testing.assert_allclose(near, exact, atol=0.01 * np.abs(exact).max())
+
+
 def test_stiffness_of_a_round_uniform_rod():
     stiffness = build_backbone(ideal(SETTINGS)).stiffness_N_mm.reshape(-1, 3)
     second_moment_mm4 = np.pi / 4 * 0.4**4
