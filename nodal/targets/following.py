@@ -7,7 +7,7 @@ import time
 from messaging.control import ControllerState, State
 from messaging.errors import CodecError, InvalidMessageError
 from messaging.session import Session
-from messaging.topics import CONTROLLER_STATE
+from messaging.topics import CONTROLLER_STATE, HEARTBEAT
 from nodal.asking import REFUSED
 
 _LOOK_S = 0.05
@@ -48,11 +48,12 @@ class Following:
 
 
 def follow(session: Session, target_name: str, silence_s: float) -> int:
-    """Say how far the target has come until it has arrived (0) or something ended it (3)."""
-    states = session.newest(CONTROLLER_STATE)
+    """Say how far the target has come until it has arrived (0) or something ended it (3); gives the operator's heartbeat."""
+    heartbeat, states = session.gives(HEARTBEAT), session.newest(CONTROLLER_STATE)
     following = Following(target_name=target_name, silence_s=silence_s)
     ended: str | None = None
     while ended is None:
+        heartbeat.give()
         try:
             said = states.take()
         except (CodecError, InvalidMessageError) as error:
