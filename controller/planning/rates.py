@@ -24,9 +24,10 @@ def rate_shares(
     _, jacobian = space.kinematics.nodes_and_jacobian(space.commands(configurations), arc_mm)
     rows = (root_weight[..., None] * jacobian * rate_mm_s).reshape(len(configurations), -1, len(rate_mm_s))
     wished = (root_weight * velocity_mm_s).reshape(len(configurations), -1, 1)
-    share = _least(rows, wished, np.ones(share_shape := rows.shape[::2]))
+    alike = np.ones((len(rows), len(rate_mm_s)))
+    share = _least(rows, wished, alike)
     busy = np.flatnonzero(np.abs(share).max(axis=-1) > 1)
-    weight = np.ones(share_shape)[busy]
+    weight = alike[busy]
     for _ in range(_SHARINGS if len(busy) else 0):
         weight *= np.abs(share[busy])
         weight /= weight.max(axis=-1, keepdims=True)

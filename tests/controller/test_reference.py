@@ -61,6 +61,29 @@ def test_what_moves_already_goes_over_into_the_approach_without_a_jump(away, mov
     np.testing.assert_allclose(reference.at(arrived_s).node_mm, BEGIN_MM, atol=1e-9)
 
 
+def test_two_motions_in_one_direction_keep_to_the_bound_together():
+    reference = Reference.towards(
+        line(), BEGIN_MM - [[5.0, 0.0, 0.0]], 0.0, 20.0, start_mm_s=np.array([[19.0, 0.0, 0.0]])
+    )
+    assert max(speed(reference.at(t)) for t in np.linspace(0.0, reference.approach_s, 200)) <= 20.0
+
+
+@pytest.mark.parametrize("repeat_from_s", [0.0, 1.0])
+def test_velocity_is_continuous_at_every_moment_of_a_path_that_repeats(repeat_from_s):
+    places = [
+        (0, 0, 84),
+        (5, 0, 85),
+        (8, 5, 87),
+        (-3, -4, 83),
+        (0, 0, 84) if not repeat_from_s else (5, 0, 85),
+    ]
+    target = path([0, 1, 1.5, 3, 4], places, repeat=True, repeat_from_s=repeat_from_s)
+    for moment_s in (1, 1.5, 3, 4, 4 + (1.5 - repeat_from_s), 8 - repeat_from_s, 12 - 2 * repeat_from_s):
+        before, after = along(target, np.array([moment_s - 1e-9, moment_s + 1e-9])).velocity_mm_s
+        np.testing.assert_allclose(before, after, atol=1e-5)
+    assert np.abs(along(target, 4.0).velocity_mm_s).max() > 1, "it does not stand at its seam"
+
+
 @settings(max_examples=60)
 @given(st.data())
 def test_velocity_is_the_derivative_of_position_and_continuous(data):
