@@ -1,13 +1,13 @@
 """`nodal target`: where nodal points should go. Targets are checked, and answered, before anything moves."""
 
 import argparse
-import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodal.arguments import add_config_argument, add_timeout_argument
+from nodal.target_arguments import TIMINGS, add_kind, add_pace, add_weight, named, numbers
 
 if TYPE_CHECKING:
     from controller.planning.space import Space
@@ -15,10 +15,8 @@ if TYPE_CHECKING:
     from nodal.targets.preparing import Asked
     from nodal.targets.present import Present
 
-TIMINGS = ("minimum-jerk", "trapezoid")
 _EASY = 0.5
 """Share of the highest speed that a motion takes when nothing was said of how fast."""
-_PLACES = {1: "NUMBER", 2: "X,Y", 3: "X,Y,Z"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,62 +25,62 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_timeout_argument(parser)
     kinds = parser.add_subparsers(required=True, metavar="KIND")
 
-    point = _kind(
+    point = add_kind(
         kinds, "point", "hold nodal points at places", "tip=10,0,82 middle=3,0,42 --weight middle=0.2"
     )
-    point.add_argument("places", nargs="+", type=_named(3), metavar="NAME=X,Y,Z")
-    _add_weight(point)
-    _add_pace(point, "without one of these, points go straight there as fast as the bench file allows")
+    point.add_argument("places", nargs="+", type=named(3), metavar="NAME=X,Y,Z")
+    add_weight(point)
+    add_pace(point, "without one of these, points go straight there as fast as the bench file allows")
     point.set_defaults(asked=_point)
 
-    jog = _kind(kinds, "jog", "move one nodal point by so much from where it is", "tip +5,0,0")
+    jog = add_kind(kinds, "jog", "move one nodal point by so much from where it is", "tip +5,0,0")
     jog.add_argument("node", metavar="NAME")
-    jog.add_argument("by", type=_numbers(3), metavar="DX,DY,DZ")
-    _add_pace(jog)
+    jog.add_argument("by", type=numbers(3), metavar="DX,DY,DZ")
+    add_pace(jog)
     jog.set_defaults(asked=_jog)
 
-    line = _kind(kinds, "line", "lead one nodal point along a line", "tip 10,0,85 -10,0,85 --duration 4")
+    line = add_kind(kinds, "line", "lead one nodal point along a line", "tip 10,0,85 -10,0,85 --duration 4")
     line.add_argument("node", metavar="NAME")
-    line.add_argument("start", type=_numbers(3), metavar="X,Y,Z")
-    line.add_argument("end", type=_numbers(3), metavar="X,Y,Z")
+    line.add_argument("start", type=numbers(3), metavar="X,Y,Z")
+    line.add_argument("end", type=numbers(3), metavar="X,Y,Z")
     line.add_argument("--repeat", action="store_true", help="there and back, again and again")
-    _add_pace(line)
+    add_pace(line)
     line.set_defaults(asked=_line)
 
-    spline = _kind(
+    spline = add_kind(
         kinds, "spline", "lead one nodal point along a smooth curve", "tip 10,0,85 0,10,88 -10,0,85"
     )
     spline.add_argument("node", metavar="NAME")
-    spline.add_argument("places", nargs="+", type=_numbers(3), metavar="X,Y,Z", help="three or more")
+    spline.add_argument("places", nargs="+", type=numbers(3), metavar="X,Y,Z", help="three or more")
     spline.add_argument(
         "--closed", action="store_true", help="back to the first, again and again, at one speed"
     )
-    _add_pace(spline)
+    add_pace(spline)
     spline.set_defaults(asked=_spline)
 
-    circle = _kind(kinds, "circle", "lead one nodal point round a circle", "tip --radius 10 --axis 0,1,4")
+    circle = add_kind(kinds, "circle", "lead one nodal point round a circle", "tip --radius 10 --axis 0,1,4")
     circle.add_argument("node", metavar="NAME")
     circle.add_argument("--radius", type=float, default=15.0, metavar="MM", help="default 15")
     circle.add_argument(
         "--period", type=float, metavar="S", help="of one round; default 10, or as fast as it goes"
     )
     circle.add_argument("--height", type=float, default=85.0, metavar="MM", help="of the centre; default 85")
-    circle.add_argument("--centre", type=_numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0")
+    circle.add_argument("--centre", type=numbers(2), default=[0.0, 0.0], metavar="X,Y", help="default 0,0")
     circle.add_argument(
         "--axis",
-        type=_numbers(3),
+        type=numbers(3),
         default=[0.0, 0.0, 1.0],
         metavar="X,Y,Z",
         help="tilts it; default 0,0,1: level",
     )
     circle.set_defaults(asked=_circle)
 
-    path = _kind(
+    path = add_kind(
         kinds, "file", "a path from a CSV file: time_s,NAME.x,NAME.y,NAME.z,... in s and mm", "path.csv"
     )
     path.add_argument("file", type=Path, metavar="CSV")
     path.add_argument("--repeat", action="store_true", help="begin again when the end is reached")
-    _add_weight(path)
+    add_weight(path)
     path.set_defaults(asked=_path)
 
 
@@ -143,10 +141,10 @@ def _point(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
     from nodal.targets.preparing import moved  # noqa: PLC0415
 
     target = targets.points(dict(arguments.places), _weights(arguments))
-    if arguments.duration is None and arguments.speed is None:
+    if arguments.duration is None and arguments.speed is None and arguments.acceleration is None:
         return _asked(arguments, lambda _: target, timing_is_ours=True)
     pace = _pace(arguments, easy_mm_s)
-    return _asked(arguments, lambda present: moved(target, present, pace), timing_is_ours=False)
+    return _asked(arguments, lambda present: moved(target, present, pace), timing_is_ours=not pace.fixed)
 
 
 def _jog(arguments: argparse.Namespace, easy_mm_s: float) -> "Asked":
@@ -220,77 +218,5 @@ def _pace(arguments: argparse.Namespace, easy_mm_s: float) -> Any:
     )
 
 
-def _kind(kinds: Any, name: str, summary: str, example: str) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = kinds.add_parser(
-        name,
-        help=summary,
-        description=f"{summary[0].upper()}{summary[1:]}. Positions are in mm in the robot frame.",
-        epilog=f"For example: nodal target --config BENCH {name} {example}",
-    )
-    # argparse takes -5,0,85 for an option unless it is told what numbers look like here
-    parser._negative_number_matcher = re.compile(r"-[\d.]")  # noqa: SLF001
-    parser.add_argument(
-        "--plan",
-        action=argparse.BooleanOptionalAction,
-        help="lead the whole body to the target on a way that is planned; without either, that is done where the straight "
-        "way comes too near to a forbidden region",
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument(
-        "--check", action="store_true", help="only say whether it can be reached, by the bench file alone"
-    )
-    what.add_argument(
-        "--wait", action="store_true", help="say how far it has come, until it has arrived (0) or failed (3)"
-    )
-    return parser
-
-
-def _add_pace(parser: argparse.ArgumentParser, otherwise: str = "") -> None:
-    fast = parser.add_mutually_exclusive_group()
-    fast.add_argument("--duration", type=float, metavar="S", help=otherwise or "how long it takes")
-    fast.add_argument(
-        "--speed",
-        type=float,
-        metavar="MM_S",
-        help="the highest; default half of what the bench file allows, or less",
-    )
-    parser.add_argument("--timing", choices=TIMINGS, default=TIMINGS[0], help=f"default {TIMINGS[0]}")
-    parser.add_argument("--acceleration", type=float, metavar="MM_S2", help="of the timing trapezoid")
-
-
-def _add_weight(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--weight",
-        action="append",
-        default=[],
-        type=_named(1),
-        metavar="NAME=W",
-        help="how much a point counts (default 1); 0 only watches it",
-    )
-
-
 def _weights(arguments: argparse.Namespace) -> dict[str, float]:
     return {name: weight for name, (weight,) in arguments.weight}
-
-
-def _named(count: int) -> Callable[[str], tuple[str, Sequence[float]]]:
-    def named(text: str) -> tuple[str, Sequence[float]]:
-        name, equals, values = text.rpartition("=")
-        if not equals or not name:
-            raise argparse.ArgumentTypeError(f"{text!r} is not NAME={_PLACES[count]}")
-        return name, _numbers(count)(values)
-
-    return named
-
-
-def _numbers(count: int) -> Callable[[str], list[float]]:
-    def numbers(text: str) -> list[float]:
-        try:
-            values = [float(value) for value in text.split(",")]
-        except ValueError:
-            values = []
-        if len(values) != count:
-            raise argparse.ArgumentTypeError(f"{text!r} is not {count} numbers with commas between them")
-        return values
-
-    return numbers
