@@ -32,7 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The action, and what a jog needs."""
     meanings = "; ".join(f"{name}: {meaning}" for name, meaning in ACTIONS.items())
     parser.add_argument("action", choices=ACTIONS, help=meanings)
-    parser.add_argument("jog", nargs="*", metavar="AXIS MM", help="of a jog: which axis, and how far")
+    parser.add_argument(
+        "jog", nargs="*", default=[], metavar="AXIS MM", help="of a jog: which axis, and how far"
+    )
     add_config_argument(parser)
     add_timeout_argument(parser)
 
