@@ -16,7 +16,8 @@ from benchmarks.control.scenarios import SCENARIOS
 from benchmarks.control.table import HEAD, LEGEND, hardness, row, yardsticks
 from controller.laws import law_names
 
-BENCHES, QUICK_BENCHES = 5, 2
+BENCHES, QUICK_BENCHES = 4, 2
+QUICK_SCENARIOS = ("circle", "step 10 mm", "steady state", "push", "gains +30 %", "delay 100 ms")
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -57,20 +58,28 @@ def main(words: Sequence[str] | None = None) -> int:
 def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.control", description=__doc__)
     names = tuple(scenario.name for scenario in SCENARIOS)
+    few = f"{QUICK_BENCHES} benches, and of the scenarios only {', '.join(QUICK_SCENARIOS)}"
+    which = f"of {', '.join(names)} (default: all)"
+    processes = os.cpu_count() or 1
+    parser.add_argument("--benches", type=_positive, metavar="N", help=f"how many (default {BENCHES})")
     parser.add_argument(
-        "--benches", type=int, default=None, metavar="N", help=f"how many (default {BENCHES})"
-    )
-    parser.add_argument("--seed", type=int, default=1, help="of the first bench (default 1)")
-    parser.add_argument(
-        "--laws", type=_list, default=law_names(), metavar="NAME,FILE", help="names or law files"
+        "--seed", type=_positive, default=1, metavar="N", help="of the first bench (default 1)"
     )
     parser.add_argument(
-        "--scenarios", type=_list, default=names, metavar="NAME,NAME", help=f"of {', '.join(names)}"
+        "--laws",
+        type=_list,
+        default=law_names(),
+        metavar="NAME,FILE",
+        help=f"of {', '.join(law_names())}, or law files (default: those that come with the controller)",
     )
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes")
-    parser.add_argument("--quick", action="store_true", help=f"{QUICK_BENCHES} benches")
+    parser.add_argument("--scenarios", type=_list, metavar="NAME,NAME", help=which.replace("%", "%%"))
+    parser.add_argument(
+        "--jobs", type=_positive, default=processes, metavar="N", help=f"processes (default {processes})"
+    )
+    parser.add_argument("--quick", action="store_true", help=few.replace("%", "%%"))
     arguments = parser.parse_args(words)
     arguments.benches = arguments.benches or (QUICK_BENCHES if arguments.quick else BENCHES)
+    arguments.scenarios = arguments.scenarios or (QUICK_SCENARIOS if arguments.quick else names)
     if unknown := [name for name in arguments.scenarios if name not in names]:
         parser.error(f"no scenario {', '.join(unknown)}; there are {', '.join(names)}")
     if unknown := [law for law in arguments.laws if law not in law_names() and not Path(law).is_file()]:
@@ -80,6 +89,12 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
 
 def _list(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
+
+
+def _positive(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number from 1")
+    return int(text)
 
 
 if __name__ == "__main__":

@@ -130,7 +130,22 @@ def test_the_command_prints_a_row_and_the_yardsticks(capsys, monkeypatch):
     assert "x faster than real time" in printed
 
 
-def test_an_unknown_scenario_is_refused(capsys):
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--scenarios", "hurricane"], "no scenario hurricane"),
+        (["--laws", "magic"], "no law or file magic"),
+        (["--benches", "0"], "from 1"),
+    ],
+)
+def test_what_there_is_not_is_refused_by_name(words, said, capsys):
     with pytest.raises(SystemExit):
-        main(["--scenarios", "hurricane"])
-    assert "no scenario hurricane" in capsys.readouterr().err
+        main(words)
+    assert said in capsys.readouterr().err
+
+
+def test_help_names_every_scenario(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    printed = " ".join(capsys.readouterr().out.split())
+    assert all(scenario.name in printed for scenario in SCENARIOS)
