@@ -18,7 +18,7 @@ Place = tuple[
 class Sphere(
     msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="kind", tag="sphere"
 ):
-    """A ball that the robot must not enter."""
+    """`kind = "sphere"`: a ball that the robot must not enter."""
 
     name: Annotated[str, msgspec.Meta(min_length=1)]
     centre_mm: Place
@@ -28,7 +28,7 @@ class Sphere(
 class HalfSpace(
     msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="kind", tag="half_space"
 ):
-    """Everything behind a plane: `normal` points out of it, to where the robot may be."""
+    """`kind = "half_space"`: everything behind a plane. `normal` points out of it, to where the robot may be."""
 
     name: Annotated[str, msgspec.Meta(min_length=1)]
     point_mm: Place

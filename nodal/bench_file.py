@@ -21,7 +21,11 @@ from nodal.toml_file import Table, merged, read_table, settings_from, table_in, 
 from recordings.settings import RecorderSettings
 from sensing.settings import SensingSettings
 
-PATHS_TO_READ: tuple[tuple[str, ...], ...] = (("calibration",), ("sensing", "background", "*"))
+PATHS_TO_READ: tuple[tuple[str, ...], ...] = (
+    ("calibration",),
+    ("sensing", "background", "*"),
+    ("controller", "law_file"),
+)
 PATHS_TO_MAKE: tuple[tuple[str, ...], ...] = (
     ("servos", "port"),
     ("simulation", "servos", "link"),

@@ -4,6 +4,7 @@ The text above the line MARK is written by hand and kept; everything below it is
 """
 
 import ast
+import importlib
 import inspect
 import itertools
 import sys
@@ -15,6 +16,7 @@ from typing import Any
 import msgspec
 from msgspec import inspect as types
 
+from controller.laws import law_names
 from nodal.bench_file import BenchSettings
 
 MARK = "<!-- below: python -m nodal.settings_reference -->"
@@ -26,7 +28,14 @@ SIZES = (("min_length", "at least"), ("max_length", "at most"))
 def with_reference(document: str) -> str:
     """The document with its generated part made anew."""
     written, _, _ = document.partition(MARK)
-    return written + MARK + "\n" + "\n".join(_sections(BenchSettings, "")) + "\n"
+    sections = itertools.chain(_sections(BenchSettings, ""), *map(_tuning, law_names()))
+    return written + MARK + "\n" + "\n".join(sections) + "\n"
+
+
+def _tuning(law: str) -> Iterator[str]:
+    """The settings of one law."""
+    module = importlib.import_module(f"controller.laws.{law}")
+    return _sections(module.Tuning, "controller.tuning")
 
 
 def _sections(struct: type[msgspec.Struct], name: str) -> Iterator[str]:

@@ -36,7 +36,7 @@ class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """Time with which servos and robot follow a command."""
     probing_mm: Positive = 0.8
     """How far each axis is moved, and back, to feel what it does."""
-    probing_s: Annotated[float, msgspec.Meta(gt=0, le=60)] = 0.8
+    probing_s: Annotated[float, msgspec.Meta(gt=0, le=60)] = 0.5
     """How long that takes."""
     damping_mm: Positive = 1.0
     """Motion of a nodal point per mm of tendon below which the law gives up rather than pull hard."""
