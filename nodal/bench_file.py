@@ -167,7 +167,7 @@ def _resolve(table: Table, key: tuple[str, ...], folder: Path) -> None:
         value = table[name]
         if rest:
             _resolve(value, tuple(rest), folder)
-        elif isinstance(value, str):
+        elif isinstance(value, str) and value:
             table[name] = str(folder / value)
 
 

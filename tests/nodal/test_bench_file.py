@@ -56,6 +56,15 @@ def test_relative_paths_begin_at_the_bench_file(tmp_path, table):
     assert loaded(tmp_path, table).settings.recorder.folder == str(tmp_path / "recordings")
 
 
+def test_a_law_file_begins_at_the_bench_file_and_none_stays_none(tmp_path, table):
+    table["controller"] = {"law_file": "my_law.py"}
+    mine = loaded(tmp_path, table)
+    table["controller"]["law_file"] = ""
+
+    assert mine.settings.controller.law_file == str(tmp_path / "my_law.py")
+    assert loaded(tmp_path, table).settings.controller.law_file == ""
+
+
 def test_absolute_paths_stay(tmp_path, table):
     table["servos"]["port"] = "/dev/ttyUSB0"
 
