@@ -9,7 +9,7 @@ import pytest
 from controller.cycle import Outputs
 from controller.drive import Drive
 from controller.pace import Pace
-from drivers.actuators import ActuatorError
+from drivers.actuators import ActuatorError, ServoAlarmError, ServoRestartedError, WatchdogExpiredError
 
 NOTHING = Outputs(
     tendons=4,
@@ -28,12 +28,12 @@ class Scripted:
     """Actuators that write down what is asked of them, and fail where `broken` says so."""
 
     def __init__(self):
-        self.calls, self.broken = [], set()
+        self.calls, self.broken, self.error = [], set(), ActuatorError
 
     def _call(self, name, *arguments):
         self.calls.append((name, *arguments))
         if name in self.broken:
-            raise ActuatorError(f"{name} failed")
+            raise self.error(f"{name} failed")
 
     def open(self):
         self._call("open")
@@ -79,6 +79,29 @@ def test_what_was_decided_is_done_in_order(drive, actuators):
     actuators.calls.clear()
     assert not drive.act(dataclasses.replace(NOTHING, release=True), 10.0)
     assert actuators.calls == [("disable",)]
+
+
+def test_a_robot_without_a_stage_has_no_insertion(drive, actuators):
+    drive.act(dataclasses.replace(NOTHING, tendons=5, command_mm=COMMAND), 10.0)
+    assert actuators.calls == [("write", COMMAND.tolist(), 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("error", "fault"),
+    [
+        (ActuatorError, "drive_lost"),
+        (WatchdogExpiredError, "watchdog_expired"),
+        (ServoRestartedError, "servo_restarted"),
+        (ServoAlarmError, "servo_alarm"),
+    ],
+)
+def test_what_the_driver_raised_is_told_by_its_kind_until_a_reading_comes(drive, actuators, error, fault):
+    actuators.broken, actuators.error = {"read"}, error
+    assert drive.read(10.0) is None
+    assert (drive.absence, drive.absence_fault) == ("read failed", fault)
+    actuators.broken = set()
+    assert drive.read(11.1) == "reading"
+    assert (drive.absence, drive.absence_fault) == ("", "")
 
 
 @pytest.mark.parametrize("broken", ["read", "write", "enable", "set_zero"])

@@ -1,12 +1,14 @@
 """Finding slack: on a paper robot whose play is known, and on the simulated robot's mechanics; and what is no robot at all."""
 
+import msgspec
 import numpy as np
 import pytest
 
-from controller.settings import ControllerSettings, HomingSettings, SectionTendons
+from controller.settings import ControllerSettings, HomingSettings, SectionTendons, SensingSettings
 from messaging.settings import RobotSettings
 from nodal.virtual.bench import VirtualBench
-from nodal.virtual.settings import VirtualBenchSettings
+from nodal.virtual.random_bench import random_bench
+from nodal.virtual.settings import ShapeSettings, VirtualBenchSettings
 
 PERIOD_S = 0.005
 SINGLE = ControllerSettings(sections=(SectionTendons(tendon_angle_deg=(0.0, 120.0, 240.0)),) * 2)
@@ -145,15 +147,24 @@ def test_a_single_tendon_that_never_pulls_is_named(bench_of):
     assert fault.state.supervision.fault.code == "tendon_slack"
 
 
-def test_the_simulated_robot_is_homed_within_15_s_and_its_lost_motion_found():
-    """Play of 0.15 mm, and friction that swallows as much again and more."""
+SLOW = ShapeSettings(rate_hz=10.0, delay_s=0.15, dropped=0.2)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [VirtualBenchSettings(), msgspec.structs.replace(random_bench(2), shape=SLOW)],
+    ids=["nominal", "another robot, 10 Hz, 150 ms late, every fifth shape lost"],
+)
+def test_the_simulated_robot_is_homed_within_15_s_and_its_lost_motion_found(settings):
+    """Play of 0.05 to 0.25 mm, and friction that swallows as much again and more."""
+    sensing = SensingSettings(timeout_s=0.4, maximum_age_s=0.4)
     bench = VirtualBench(
-        VirtualBenchSettings(), ControllerSettings(), RobotSettings(section_length_mm=(40.0, 40.0))
+        settings, ControllerSettings(sensing=sensing), RobotSettings(section_length_mm=(40.0, 40.0))
     )
     began_s = bench.now_s
     bench.home(within_s=15.0)
     assert bench.now_s - began_s < 15.0
     lost_mm = bench.state.lost_motion_mm[:4]
     assert (lost_mm > 0.15).all()
-    assert (lost_mm < 0.6).all()
+    assert (lost_mm < 0.75).all()
     assert np.abs(bench.plant.state.shape.centreline_mm[:, :2]).max() < 1.0
