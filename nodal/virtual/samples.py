@@ -43,15 +43,6 @@ class Samples:
             node_names=parts[0].node_names,
         )
 
-    def since(self, now_s: float) -> Self:
-        """What came at `now_s` and later."""
-        first = int(np.searchsorted(self.now_s, now_s - 1e-9))
-        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        names = values.pop("node_names")
-        return dataclasses.replace(
-            self, **{name: rows[first:] for name, rows in values.items()}, node_names=names
-        )
-
     def error_mm(self, node: str) -> Array:
         """(n,) how far a nodal point is from where it should be; nan while nobody leads it."""
         index = self.node_names.index(node)

@@ -69,13 +69,6 @@ def test_commands_are_sampled_in_every_cycle(tracking):
     np.testing.assert_allclose(np.diff(samples.now_s), 0.015)
 
 
-def test_samples_can_be_cut(tracking):
-    samples, _ = tracking.run(0.3)
-    late = samples.since(samples.now_s[5])
-    assert len(late.mode) == len(late.now_s) == 15
-    assert late.node_names == samples.node_names
-
-
 def test_what_is_refused_is_answered(homed):
     reply = homed.target(point((0.0, 0.0, 300.0)))
     assert not reply.accepted
