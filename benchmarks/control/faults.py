@@ -34,6 +34,7 @@ FOLLOWED_S, WATCHED_S = 3.0, 4.0
 OVERLOAD = 0x20
 STRONG_MA = 1500.0
 """What the servos may draw, so that there is something above the controller's own limit."""
+FORCED_RAD = 0.2
 DRIVEN_AT_MOST_MM = 3.0
 BROKEN_LAW = str(Path(__file__).with_name("not_a_number.py"))
 
@@ -66,6 +67,12 @@ def tendon_snaps(bench: VirtualBench) -> None:
     bench.plant.robot.slip(np.append(100.0, np.zeros(tendons - 1)))
 
 
+def stage_is_forced(bench: VirtualBench) -> None:
+    """Something turns the stage's screw back a little and holds it, so that its servo draws more than it should."""
+    bench.plant.servos[-1].motor.position_rad -= FORCED_RAD
+    bench.plant.jammed.add(bench.plant.axes - 1)
+
+
 def law_breaks(bench: VirtualBench) -> None:
     """The law answers nan from now on."""
     bench.hand_over(Loop(ControllerSettings(law_file=BROKEN_LAW), BENCH_ROBOT.robot))
@@ -79,6 +86,7 @@ FAULTS = (
     Fault(name="servo silent", cause=lambda bench: bench.actuators.silent.add(0)),
     Fault(name="servo overload", cause=lambda bench: bench.plant.servos[0].fail(OVERLOAD)),
     Fault(name="servo restarts", cause=lambda bench: bench.plant.servos[0].reboot(bench.now_s)),
+    Fault(name="stage is forced", cause=stage_is_forced),
     Fault(name="pair jams", cause=lambda bench: bench.plant.jammed.add(0)),
     Fault(name="stage jams", cause=lambda bench: bench.plant.jammed.add(bench.plant.axes - 1)),
     Fault(name="tendon snaps", cause=tendon_snaps),

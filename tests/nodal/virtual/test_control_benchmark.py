@@ -106,6 +106,7 @@ def tracking():
         ("servo silent", "fault", 0.07),
         ("servo overload", "fault", 0.01),
         ("servo restarts", "fault", 0.07),
+        ("stage is forced", "fault", 0.2),
         ("law answers nan", "fault", 0.01),
     ],
 )
