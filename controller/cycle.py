@@ -12,7 +12,7 @@ from controller.supervisor import Mode, Supervision
 from controller.task import Seen, Task
 from controller.watch import Trouble
 from drivers.actuators import ActuatorState
-from messaging.control import ActionRequest, Reply, Target
+from messaging.control import Action, ActionRequest, Reply, Target
 from messaging.errors import CodecError
 from messaging.shape import ShapeEstimate
 from messaging.snapshot import freeze, thaw
@@ -81,6 +81,10 @@ class Jog:
     axis: int
     goal_mm: float
     words: str
+
+
+Asked = Target | Action | Jog
+"""What the operator asked, as far as the motion must know of it."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ import dataclasses
 import numpy as np
 
 from controller import task as tasks
-from controller.cycle import Inputs, Jog, LoopState, Outputs
+from controller.cycle import Asked, Inputs, LoopState, Outputs
 from controller.errors import FaultError
 from controller.motion import Motion, Moved
 from controller.orders import Orders, is_order, replies
@@ -17,21 +17,17 @@ from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
 from controller.task import Seen
 from controller.watch import Trouble, Watch, distrust
-from messaging.control import Action, Target
+from messaging.control import Target
 from messaging.settings import RobotSettings
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class _Judged:
-    """What came of a cycle's requests: why they were refused, if they were; the last target and order that were not; where a
-    jog leads.
-    """
+    """What came of a cycle's requests: for each why it was refused, if it was; and what the others ask of the motion."""
 
     state: LoopState
     refusals: list[str]
-    target: Target | None
-    order: Action | None
-    jog: Jog | None
+    asked: tuple[Asked, ...]
 
 
 class Loop:
@@ -74,7 +70,7 @@ class Loop:
             zero_mm=state.command_mm if homed or engage or moved.renamed else None,
             command_mm=state.command_mm if state.mode.torque else None,
             replies=replies(inputs.requests, judged.refusals, state.supervision, reason),
-            accepted=judged.target,
+            accepted=next((asked for asked in reversed(judged.asked) if isinstance(asked, Target)), None),
             reason=moved.cut_short or reason,
         )
 
@@ -116,22 +112,14 @@ class Loop:
             if is_order(request) and not refusals[index] and not next(outcome):
                 refusals[index] = f"{request.action} is not possible in {state.mode}: {supervision.reason}"
         accepted = [
-            request for request, refusal in zip(inputs.requests, refusals, strict=True) if not refusal
+            request
+            for request, refusal in zip(inputs.requests, refusals, strict=True)
+            if not refusal and (is_order(request) or isinstance(request, Target))
         ]
-        targets = [request for request in accepted if isinstance(request, Target)]
-        order = next((request for request in reversed(accepted) if is_order(request)), None)
-        jog = None
-        if order is not None and order.action is Action.JOG:
-            jog = self._orders.jog(order, state, inputs)
-        state = dataclasses.replace(state, supervision=supervision, trouble=trouble)
-        if targets:
-            state = dataclasses.replace(state, target=targets[-1], joined_s=0.0, progress=0.0)
         return _Judged(
-            state=state,
+            state=dataclasses.replace(state, supervision=supervision, trouble=trouble),
             refusals=refusals,
-            target=targets[-1] if targets else None,
-            order=None if order is None else order.action,
-            jog=jog,
+            asked=tuple(self._orders.asked(request, state, inputs) for request in accepted),
         )
 
     def _faults(
@@ -178,18 +166,11 @@ class Loop:
         """As the mode demands; what fails on the way ends in a fault in this cycle."""
         state = judged.state
         try:
-            state = self._motion.prepare(
-                state,
-                before,
-                inputs,
-                ordered=judged.order,
-                jog=judged.jog,
-                retargeted=judged.target is not None,
-            )
+            state = self._motion.prepare(state, before, inputs, judged.asked)
             return self._motion.move(state, before, fresh, inputs)
         except FaultError as error:
             state = dataclasses.replace(state, supervision=Supervision.failed(error, inputs.now_s))
-            return Moved(state=self._motion.prepare(state, before, inputs))
+            return Moved(state=self._motion.prepare(state, before, inputs, ()))
 
     def _reason(self, state: LoopState, inputs: Inputs) -> str:
         """Why the mode is what it is; an absent drive is no fault in idle, but it is worth saying."""

@@ -1,12 +1,13 @@
 """How each mode moves: what is set up when a mode is entered, and the next command. Pure."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controller import task as tasks
-from controller.cycle import Inputs, Jog, LoopState
+from controller.cycle import Asked, Inputs, Jog, LoopState
 from controller.errors import CommandNotFiniteError
 from controller.faults import LawFailedError
 from controller.homing import SlackSearch
@@ -16,7 +17,7 @@ from controller.reference import Reference
 from controller.settings import ControllerSettings
 from controller.supervisor import Mode
 from controller.task import Seen, Task
-from messaging.control import Action
+from messaging.control import Action, Target
 
 Array = NDArray[np.float64]
 
@@ -43,25 +44,17 @@ class Motion:
         self._all_axes = np.ones(self._kinematics.axes, dtype=bool)
         self._tendons_only = np.arange(self._kinematics.axes) < self._kinematics.tendons
 
-    def prepare(
-        self,
-        state: LoopState,
-        before: Mode,
-        inputs: Inputs,
-        *,
-        ordered: Action | None = None,
-        jog: Jog | None = None,
-        retargeted: bool = False,
-    ) -> LoopState:
-        """Set up what the mode needs when it was entered just now, when its target changed, or when the operator ordered it.
+    def prepare(self, state: LoopState, before: Mode, inputs: Inputs, asked: Sequence[Asked]) -> LoopState:
+        """Set up what the mode needs when it was entered just now, when its target changed, or when the operator asked for it.
 
-        Raises FaultError when the law fails.
+        Raises LawFailedError.
         """
         entered = state.mode is not before
-        if entered and before is Mode.TRACKING and state.task is not None and not retargeted:
+        if entered and before is Mode.TRACKING and state.task is not None:
             state = dataclasses.replace(state, joined_s=state.task.reference.path_s(inputs.now_s))
-        if ordered is not None:
-            state = self._ordered(state, ordered, jog, inputs.now_s)
+        for one in asked:
+            state = self._asked(state, one, inputs.now_s)
+        retargeted = state.target is not None and any(isinstance(one, Target) for one in asked)
         if entered:
             state = _left(state)
         if entered and not before.torque and state.mode.torque and inputs.drive is not None:
@@ -92,12 +85,16 @@ class Motion:
             return state.jog.words
         return "paused by the operator" if state.paused else ""
 
-    def _ordered(self, state: LoopState, ordered: Action, jog: Jog | None, now_s: float) -> LoopState:
+    def _asked(self, state: LoopState, asked: Asked, now_s: float) -> LoopState:
         """Every order ends a jog, and some say more."""
-        state, task = dataclasses.replace(state, jog=jog), state.task
-        match ordered:
+        if isinstance(asked, Target):
+            return dataclasses.replace(state, target=asked, joined_s=0.0, progress=0.0)
+        if isinstance(asked, Jog):
+            return dataclasses.replace(state, jog=asked)
+        state, task = dataclasses.replace(state, jog=None), state.task
+        match asked:
             case Action.PAUSE | Action.RESUME:
-                paused = ordered is Action.PAUSE
+                paused = asked is Action.PAUSE
                 if task is not None and paused is not state.paused:
                     reference = task.reference.paused(now_s) if paused else task.reference.resumed(now_s)
                     task = dataclasses.replace(task, reference=reference)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TypeGuard
 
 from controller import task as tasks
-from controller.cycle import Inputs, Jog, LoopState, Request
+from controller.cycle import Asked, Inputs, Jog, LoopState, Request
 from controller.errors import TargetError
 from controller.limits import axis_name
 from controller.motion import Motion
@@ -72,8 +72,13 @@ class Orders:
         if action is Action.JOG:
             yield from self._jog_reasons(request, state, inputs)
 
-    def jog(self, request: ActionRequest, state: LoopState, inputs: Inputs) -> Jog:
-        """Where a jog that is not refused leads."""
+    def asked(self, request: Request, state: LoopState, inputs: Inputs) -> Asked:
+        """What a request that is not refused means to the motion."""
+        if isinstance(request, Target):
+            return request
+        return self._jog(request, state, inputs) if request.action is Action.JOG else request.action
+
+    def _jog(self, request: ActionRequest, state: LoopState, inputs: Inputs) -> Jog:
         axis = self._axes[request.axis]
         begin_mm = state.command_mm
         if not state.mode.torque and inputs.drive is not None:
@@ -103,7 +108,7 @@ class Orders:
             yield f"there is no axis {request.axis!r}; known are {', '.join(self._axes)}"
         if not 0 < abs(distance_mm) <= at_most_mm:
             yield f"a jog of {distance_mm:g} mm: it must be some way, and at most {at_most_mm:g} mm"
-        jog, limits = self.jog(request, state, inputs), self._plant.limits
+        jog, limits = self._jog(request, state, inputs), self._plant.limits
         low_mm, high_mm = limits.low_mm[jog.axis], limits.high_mm[jog.axis]
         if not low_mm <= jog.goal_mm <= high_mm:
             yield (

@@ -167,6 +167,22 @@ def test_abort_holds_where_the_tendons_are_and_forgets_the_target(tracking):
     assert (np.ptp(commands(tracking.run(0.5)[0]), axis=0) == 0).all()
 
 
+def test_orders_and_targets_of_one_cycle_are_obeyed_one_after_the_other(tracking, stand_ins):
+    abort, hold, pause, arm = (
+        ActionRequest(action=action) for action in (Action.ABORT, Action.HOLD, Action.PAUSE, Action.ARM)
+    )
+    pose = stand_ins["pose"]((5.0, 0.0, 84.0))
+    tracking.run(0.1, pause, arm)
+    assert tracking.state.paused
+    tracking.run(0.1, abort, hold)
+    assert tracking.state.target is None
+    tracking.run(0.1, pose, abort)
+    assert tracking.state.target is None
+    tracking.run(0.1, abort, pose, arm)
+    assert tracking.state.target.name == "pose"
+    assert tracking.state.mode == "tracking"
+
+
 def test_progress_of_a_pose_reaches_one_and_is_kept_by_a_hold(homed, stand_ins):
     homed.run(PERIOD_S, stand_ins["pose"]((6.0, 0.0, 83.0)))
     assert homed.state.progress == 0.0
