@@ -86,6 +86,7 @@ def _tendon_state(drive: ActuatorState | None, *, time_ns: int) -> TendonState |
         voltage_v=drive.voltage_v,
         hardware_error=np.array(drive.hardware_error, dtype=np.float64),
         torque=drive.torque,
+        alarm=drive.alarm,
     )
 
 

@@ -124,7 +124,8 @@ class Watch:
                 for axis, error in enumerate(drive.hardware_error)
                 if error
             )
-            yield ServoAlarmError(f"hardware error bits: {bits}")
+            words = f" ({drive.alarm})" if drive.alarm else ""
+            yield ServoAlarmError(f"hardware error bits: {bits}{words}")
         if not drive.torque:
             yield TorqueLostError("a servo let its tendon go by itself")
         if beyond := plant.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):

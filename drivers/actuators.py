@@ -58,6 +58,8 @@ class ActuatorState:
     hardware_error: tuple[int, ...]
     torque: bool
     """True when every servo holds its position; False as soon as one does not."""
+    alarm: str = ""
+    """What `hardware_error` means, in the drive's own words; empty when all is well."""
 
     @property
     def position_mm(self) -> NDArray[np.float64]:

@@ -135,7 +135,7 @@ class TendonCommand(Message):
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class TendonState(Message):
-    """What the servos report: the tendon pairs in order, then the stage."""
+    """What the servos report: the tendon pairs in order, then the stage; `alarm` says in words what `hardware_error` means."""
 
     protobuf: ClassVar[type[ProtobufMessage]] = nodal_pb2.TendonState
 
@@ -149,6 +149,7 @@ class TendonState(Message):
     voltage_v: FloatArray = array("servo")
     hardware_error: FloatArray = array("servo")
     torque: bool
+    alarm: str = ""
 
     @property
     def position_mm(self) -> FloatArray:

@@ -239,6 +239,11 @@ class TendonActuators:
             voltage_v=np.array([block.voltage * VOLTS_PER_COUNT for block in blocks]),
             hardware_error=tuple(block.hardware_error for block in blocks),
             torque=all(block.torque for block in blocks),
+            alarm="; ".join(
+                f"{axis.settings.name}: {table.hardware_error_names(block.hardware_error)}"
+                for axis, block in pairs
+                if block.hardware_error
+            ),
         )
 
     def _positions_mm(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> list[float]:

@@ -141,7 +141,7 @@ class TendonCommand(_message.Message):
     def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., shape_sequence: _Optional[int] = ..., capture_to_command_ns: _Optional[int] = ...) -> None: ...
 
 class TendonState(_message.Message):
-    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "current_ma", "temperature_c", "voltage_v", "hardware_error", "torque", "displacement_mm_s", "insertion_mm_s")
+    __slots__ = ("time_ns", "displacement_mm", "insertion_mm", "current_ma", "temperature_c", "voltage_v", "hardware_error", "torque", "displacement_mm_s", "insertion_mm_s", "alarm")
     TIME_NS_FIELD_NUMBER: _ClassVar[int]
     DISPLACEMENT_MM_FIELD_NUMBER: _ClassVar[int]
     INSERTION_MM_FIELD_NUMBER: _ClassVar[int]
@@ -152,6 +152,7 @@ class TendonState(_message.Message):
     TORQUE_FIELD_NUMBER: _ClassVar[int]
     DISPLACEMENT_MM_S_FIELD_NUMBER: _ClassVar[int]
     INSERTION_MM_S_FIELD_NUMBER: _ClassVar[int]
+    ALARM_FIELD_NUMBER: _ClassVar[int]
     time_ns: int
     displacement_mm: _containers.RepeatedScalarFieldContainer[float]
     insertion_mm: float
@@ -162,7 +163,8 @@ class TendonState(_message.Message):
     torque: bool
     displacement_mm_s: _containers.RepeatedScalarFieldContainer[float]
     insertion_mm_s: float
-    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ..., displacement_mm_s: _Optional[_Iterable[float]] = ..., insertion_mm_s: _Optional[float] = ...) -> None: ...
+    alarm: str
+    def __init__(self, time_ns: _Optional[int] = ..., displacement_mm: _Optional[_Iterable[float]] = ..., insertion_mm: _Optional[float] = ..., current_ma: _Optional[_Iterable[float]] = ..., temperature_c: _Optional[_Iterable[float]] = ..., voltage_v: _Optional[_Iterable[float]] = ..., hardware_error: _Optional[_Iterable[float]] = ..., torque: _Optional[bool] = ..., displacement_mm_s: _Optional[_Iterable[float]] = ..., insertion_mm_s: _Optional[float] = ..., alarm: _Optional[str] = ...) -> None: ...
 
 class ControllerState(_message.Message):
     __slots__ = ("time_ns", "state", "reason", "target_name", "node_names", "desired_mm", "measured_mm", "tracking_error_mm", "shape_sequence", "shape_age_s", "lateness_s", "busy_s", "overruns", "now_s", "dt_s", "sighted_capture_ns", "sighted_age_s", "drive_absence", "commanded", "fault", "fault_value", "fault_limit", "fault_unit", "advice", "progress", "paused", "heartbeat", "drive_fault")

@@ -109,4 +109,5 @@ def _drive(state: ControllerState, part: ControlPart) -> ActuatorState | None:
         voltage_v=said.voltage_v,
         hardware_error=tuple(int(error) for error in np.asarray(said.hardware_error)),
         torque=said.torque,
+        alarm=said.alarm,
     )

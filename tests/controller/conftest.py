@@ -149,6 +149,7 @@ class Servos:
             voltage_v=np.full(len(self.position_mm), self.voltage_v),
             hardware_error=(self.hardware_error,) + (0,) * (len(self.position_mm) - 1),
             torque=self.torque,
+            alarm="pair 1: overload" if self.hardware_error else "",
         )
 
 

@@ -288,7 +288,9 @@ def test_servos_that_restarted_while_nobody_looked_are_told_once(bench, settings
     with pytest.raises(RestartedError, match=r"servo \[21\] restarted by itself .*; servo 12: overload"):
         actuators.open()
     actuators.open()
-    assert actuators.read().hardware_error == (0, 0x20, 0, 0, 0)
+    said = actuators.read()
+    assert said.hardware_error == (0, 0x20, 0, 0, 0)
+    assert said.alarm.endswith(": overload")
     actuators.close()
 
 
