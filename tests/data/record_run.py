@@ -1,8 +1,8 @@
 """Records `run.mcap` anew on the small simulated bench: `python tests/data/record_run.py OUT_FOLDER`.
 
 A run in which a replay meets everything that it must repeat: homing, a target out of reach, a circle, a pause, an operator's
-heartbeat, nodal points that are renamed on the way, sensing that dies and starts again, a fault, a second homing, a jog, and
-a stop signal.
+heartbeat, nodal points that are renamed on the way, sensing that freezes, a fault, sensing that dies and starts again, a
+second homing, a jog, and a stop signal.
 """
 
 import os
@@ -89,9 +89,11 @@ def main(out: Path) -> None:
         run.for_a_while(5)
         run.ask(SENSING_NODES, OTHER_POINTS)
         run.for_a_while(10)
-        if (sensing := launcher.children["sense"].pid) is not None:
-            os.kill(sensing, signal.SIGKILL)
+        if (sensing := launcher.children["sense"].pid) is None:
+            raise SystemExit("sensing is not running")
+        os.kill(sensing, signal.SIGSTOP)
         run.until(State.FAULT)
+        os.kill(sensing, signal.SIGKILL)
         run.seen()
         run.do(Action.HOME)
         run.until(State.READY)
