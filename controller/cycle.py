@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +106,8 @@ class LoopState:
     joined_s: float = 0.0
     """Where on the target's path to go on."""
     task: Task | None = None
+    learnt: Any = None
+    """What the law remembered when it led the robot last, since it was homed."""
     paused: bool = False
     progress: float = 0.0
     """Share of the target that was done when it was followed last."""

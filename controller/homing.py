@@ -30,6 +30,8 @@ _REST_SHAPES = 3
 _CURRENT_S = 0.05
 """Time constant over which currents are averaged: they jump when a servo starts to move."""
 _THERE_MM = 1e-6
+_SURE = 8.0
+"""How many standard deviations of a coordinate a nodal point must move to be seen to move."""
 _SAME_WAY = 0.3
 """Cosine between the motion that is seen and the model's, below which the two have nothing to do with one another."""
 
@@ -121,9 +123,12 @@ class SlackSearch:
         if seen is None or seen.capture_s < search.since_s:
             return search
         arc_mm, node_mm, rest = seen.shape.node_arc_mm, seen.shape.node_mm, search.rest
-        moving_mm = self._settings.seen_mm / 2
-        if rest is None or not rest.shows(arc_mm) or rest.apart_mm(node_mm) > moving_mm:
-            return dataclasses.replace(search, rest=Rest(arc_mm=arc_mm, node_mm=node_mm, shapes=1))
+        if rest is None or not rest.shows(arc_mm) or rest.apart_mm(node_mm) > rest.seen_mm / 2:
+            variance_mm2 = np.trace(seen.shape.node_covariance_mm2, axis1=1, axis2=2).max(initial=0.0) / 3
+            seen_mm = max(self._settings.seen_mm, _SURE * float(np.sqrt(variance_mm2)))
+            return dataclasses.replace(
+                search, rest=Rest(arc_mm=arc_mm, node_mm=node_mm, shapes=1, seen_mm=seen_mm)
+            )
         rest = rest.then(node_mm)
         search = dataclasses.replace(search, rest=rest)
         if rest.shapes < _REST_SHAPES:
@@ -141,10 +146,10 @@ class SlackSearch:
         sight = self._sight(search, seen)
         if sight is not None:
             search = dataclasses.replace(search, moved_mm=max(search.moved_mm, sight.moved_mm))
-            if sight.moved_mm >= self._settings.seen_mm and sight.cosine <= -_SAME_WAY:
+            if sight.moved_mm >= self._rest_of(search).seen_mm and sight.cosine <= -_SAME_WAY:
                 raise self._wrong(search, sight.cosine)
         push_ma = search.current_ma - search.rest_ma
-        if self._follows(sight) or abs(push_ma) >= self._settings.current_rise_ma:
+        if self._follows(search, sight) or abs(push_ma) >= self._settings.current_rise_ma:
             position_mm = float(search.positions.values[-1][0])
             return dataclasses.replace(
                 search,
@@ -184,19 +189,25 @@ class SlackSearch:
             return None
         return Sight.of(search.rest, seen.shape.node_mm, self._motion(search), seen.capture_s)
 
-    def _follows(self, sight: Sight | None) -> bool:
-        return sight is not None and sight.moved_mm >= self._settings.seen_mm and sight.cosine >= _SAME_WAY
+    def _follows(self, search: Search, sight: Sight | None) -> bool:
+        moved_mm = self._rest_of(search).seen_mm
+        return sight is not None and sight.moved_mm >= moved_mm and sight.cosine >= _SAME_WAY
 
     def _motion(self, search: Search) -> Array:
         """(m, 3) how the model's nodal points move per mm of the axis."""
+        straight, arc_mm = np.zeros(self._plant.kinematics.axes), self._rest_of(search).arc_mm
+        return self._plant.kinematics.nodes_and_jacobian(straight, arc_mm)[1][..., search.axis]
+
+    def _rest_of(self, search: Search) -> Rest:
         if search.rest is None:
             raise TypeError("the search moves an axis before it knows where the robot rests")
-        straight = np.zeros(self._plant.kinematics.axes)
-        return self._plant.kinematics.nodes_and_jacobian(straight, search.rest.arc_mm)[1][..., search.axis]
+        return search.rest
 
     def _seen_as_mm(self, search: Search) -> float:
-        """How far the axis must be followed until a nodal point has moved by `seen_mm`."""
-        return self._settings.seen_mm / max(float(np.linalg.norm(self._motion(search), axis=1).max()), 1e-12)
+        """How far the axis must be followed until a nodal point has moved far enough to be seen."""
+        return self._rest_of(search).seen_mm / max(
+            float(np.linalg.norm(self._motion(search), axis=1).max()), 1e-12
+        )
 
     def _reach(self, search: Search, way: int) -> float:
         """The furthest command of this axis in one direction."""
@@ -204,17 +215,18 @@ class SlackSearch:
         return float(min(max(search.begin_mm + way * self._settings.search_mm, low), high))
 
     def _unanswered(self, search: Search) -> FaultError:
-        if search.moved_mm >= self._settings.seen_mm:
+        seen_mm = self._rest_of(search).seen_mm
+        if search.moved_mm >= seen_mm:
             return self._wrong(search, 0.0)
         limit_mm = self._settings.search_mm
         asked_ma = (
             self._settings.tension_ma if search.stroke is Stroke.TIGHTEN else self._settings.current_rise_ma
         )
         return TendonSlackError(
-            f"{self._name(search)} was moved by {limit_mm:g} mm, and no nodal point moved by {self._settings.seen_mm:g} mm "
+            f"{self._name(search)} was moved by {limit_mm:g} mm, and no nodal point moved by {seen_mm:g} mm "
             f"nor did its current rise by {asked_ma:g} mA",
             value=search.moved_mm,
-            limit=self._settings.seen_mm,
+            limit=seen_mm,
             unit="mm",
         )
 

@@ -11,7 +11,7 @@ from controller.cycle import Asked, Inputs, Jog, LoopState
 from controller.errors import CommandNotFiniteError
 from controller.faults import LawFailedError
 from controller.homing import SlackSearch
-from controller.laws import make_law
+from controller.laws import make_homing_law, make_law
 from controller.plant import Plant
 from controller.reference import Reference
 from controller.settings import ControllerSettings
@@ -39,7 +39,7 @@ class Motion:
         self._settings = settings
         self._kinematics = plant.kinematics
         self._limits = plant.limits
-        self._law = make_law(settings, plant)
+        self._law, self._homing_law = make_law(settings, plant), make_homing_law(settings, plant)
         self._search = SlackSearch(settings.homing, plant)
         self._all_axes = np.ones(self._kinematics.axes, dtype=bool)
         self._tendons_only = np.arange(self._kinematics.axes) < self._kinematics.tendons
@@ -50,6 +50,8 @@ class Motion:
         Raises LawFailedError.
         """
         entered = state.mode is not before
+        if entered and before in (Mode.TRACKING, Mode.WAITING) and state.task is not None:
+            state = dataclasses.replace(state, learnt=state.task.law_state)
         if entered and before is Mode.TRACKING and state.task is not None:
             state = dataclasses.replace(state, joined_s=state.task.reference.path_s(inputs.now_s))
         for one in asked:
@@ -105,7 +107,9 @@ class Motion:
 
     def _homing(self, state: LoopState, inputs: Inputs) -> LoopState:
         """Begin with the search for slack, or with leading the robot straight."""
-        state = dataclasses.replace(state, task=None, straight_since_s=np.inf, straightening_since_s=np.inf)
+        state = dataclasses.replace(
+            state, task=None, learnt=None, straight_since_s=np.inf, straightening_since_s=np.inf
+        )
         if self._settings.homing.find_slack and inputs.drive is not None:
             search = self._search.start(state.command_mm, inputs.drive, inputs.now_s)
             return dataclasses.replace(state, search=search)
@@ -118,7 +122,16 @@ class Motion:
         reference = Reference.towards(
             target, state.seen.shape.node_mm, now_s, self._settings.homing.node_speed_mm_s
         )
-        task = self._begin(state, reference, state.seen, self._tendons_only, None, now_s)
+        task = tasks.begin(
+            self._homing_law,
+            reference,
+            state.seen,
+            self._tendons_only,
+            before=None,
+            command_mm=state.command_mm,
+            lost_motion_mm=state.lost_motion_mm,
+            now_s=now_s,
+        )
         return dataclasses.replace(state, task=task, straightening_since_s=now_s)
 
     def _tracking(self, state: LoopState, now_s: float, *, led: bool) -> Task | None:
@@ -136,23 +149,12 @@ class Motion:
         )
         if state.paused:
             reference = reference.paused(now_s)
-        return self._begin(state, reference, state.seen, self._all_axes, state.task, now_s)
-
-    def _begin(
-        self,
-        state: LoopState,
-        reference: Reference,
-        seen: Seen,
-        movable: NDArray[np.bool_],
-        before: Task | None,
-        now_s: float,
-    ) -> Task:
         return tasks.begin(
             self._law,
             reference,
-            seen,
-            movable,
-            before=before,
+            state.seen,
+            self._all_axes,
+            before=state.learnt if state.task is None else state.task.law_state,
             command_mm=state.command_mm,
             lost_motion_mm=state.lost_motion_mm,
             now_s=now_s,
@@ -203,7 +205,7 @@ class Motion:
         self, state: LoopState, task: Task, fresh: Seen | None, inputs: Inputs
     ) -> tuple[LoopState, Array]:
         task, wanted = tasks.advance(
-            self._law,
+            self._homing_law if state.mode is Mode.HOMING else self._law,
             task,
             fresh,
             command_mm=state.command_mm,
@@ -217,7 +219,7 @@ class Motion:
             ), wanted
         since_s = state.straight_since_s
         if fresh is not None:
-            straight = task.settled(self._settings.homing.within_mm, inputs.now_s)
+            straight = task.straight(self._settings.homing.within_mm, inputs.now_s)
             since_s = min(since_s, inputs.now_s) if straight else np.inf
         return dataclasses.replace(state, task=task, straight_since_s=since_s), wanted
 

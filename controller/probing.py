@@ -31,6 +31,8 @@ class Rest:
     arc_mm: Array
     node_mm: Array
     shapes: int
+    seen_mm: float
+    """How far a nodal point must move to be seen to move."""
 
     def shows(self, arc_mm: Array) -> bool:
         """True when nodal points at these arc lengths are the same."""

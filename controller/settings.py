@@ -104,9 +104,10 @@ class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     """How zero is found: first the slack of each axis, then the straight pose.
 
     Each tendon pair is pulled one way and the other at `probe_mm_s`, at most `search_mm` each way, until the cameras see
-    nodal points move by `seen_mm` or the current rises by `current_rise_ma`. A single tendon is tightened until its current
-    rises by `tension_ma`. Then nodal points go to the axis at `node_speed_mm_s` until their RMS distance from it stays below
-    `within_mm` for `settle_s`, within `timeout_s`.
+    nodal points move by `seen_mm`, or further if they say of themselves that they see no better, or the current rises by
+    `current_rise_ma`. A single tendon is tightened until its current
+    rises by `tension_ma`. Then nodal points go to the axis at `node_speed_mm_s` until their RMS distance from the axis stays
+    below `within_mm` for `settle_s`, within `timeout_s`.
     """
 
     find_slack: bool = True

@@ -52,9 +52,13 @@ class Task:
     error_mm: float
     """Weighted RMS distance between the two."""
 
-    def settled(self, within_mm: float, now_s: float) -> bool:
-        """True when the reference has arrived and the nodal points are near it."""
-        return self.reference.joined(now_s) and self.error_mm < within_mm
+    def straight(self, within_mm: float, now_s: float) -> bool:
+        """True when the reference has arrived and the nodal points are near the axis, wherever along it.
+
+        A robot that is a little longer or shorter than it was drawn is straight all the same.
+        """
+        off_axis_mm = math.sqrt(float((self.measured_mm[:, :2] ** 2).sum(axis=1).mean()))
+        return self.reference.joined(now_s) and off_axis_mm < within_mm
 
 
 def begin(
@@ -62,13 +66,13 @@ def begin(
     reference: Reference,
     seen: Seen,
     movable: NDArray[np.bool_],
-    before: Task | None,
     *,
+    before: Any,
     command_mm: Array,
     lost_motion_mm: Array,
     now_s: float,
 ) -> Task:
-    """A task that starts from what is seen now, with all that the law has learnt in `before`; raises LawFailedError."""
+    """A task that starts from what is seen now, with what the law remembers of `before`; raises LawFailedError."""
     measurement = seen.measurement(reference.target.node_names)
     points = Points(
         arc_mm=measurement.arc_mm[measurement.led], weights=reference.target.weights, movable=movable
@@ -79,7 +83,7 @@ def begin(
         measured=measurement,
         now_s=now_s,
         lost_motion_mm=lost_motion_mm,
-        before=None if before is None else before.law_state,
+        before=before,
     )
     with _law_at_work():
         law_state = law.start(beginning)

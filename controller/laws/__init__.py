@@ -1,7 +1,8 @@
 """The control laws, one file each. `law = "NAME"` in the bench file names a file of this folder; `law_file` any other file.
 
 A law's file offers `Tuning`, the struct of its settings (`[controller.tuning]` in the bench file), and
-`make(tuning, plant)`, which returns a `controller.law.Law`.
+`make(tuning, plant)`, which returns a `controller.law.Law`. Homing is led by `HOMING` whatever the law: it has to work
+before anything is known of the robot.
 """
 
 import importlib
@@ -19,6 +20,8 @@ from controller.law import Law
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 
+HOMING = "resolved_rate"
+
 
 def law_names() -> tuple[str, ...]:
     """The laws that come with the controller."""
@@ -28,8 +31,18 @@ def law_names() -> tuple[str, ...]:
 def make_law(settings: ControllerSettings, plant: Plant) -> Law[Any]:
     """The law that the settings name, with its tuning; raises ControllerSetupError."""
     module = _file(Path(settings.law_file)) if settings.law_file else _shipped(settings.law)
+    return _made(module, settings.tuning, plant)
+
+
+def make_homing_law(settings: ControllerSettings, plant: Plant) -> Law[Any]:
+    """The law that leads the robot straight, tuned as the settings say if it is theirs; raises ControllerSetupError."""
+    tuned = settings.law == HOMING and not settings.law_file
+    return _made(_shipped(HOMING), settings.tuning if tuned else {}, plant)
+
+
+def _made(module: ModuleType, settings: dict[str, Any], plant: Plant) -> Law[Any]:
     try:
-        tuning = msgspec.convert(settings.tuning, module.Tuning)
+        tuning = msgspec.convert(settings, module.Tuning)
     except msgspec.ValidationError as error:
         raise ControllerSetupError(
             f"controller.tuning of law {module.__name__.rpartition('.')[2]}: {error}"

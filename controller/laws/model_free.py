@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller.allocation import Allocation, Body, Wish, tightening_mm_s
+from controller.following import Following
 from controller.history import History
 from controller.law import Beginning, LawInputs, Measurement, Points
 from controller.plant import Plant
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 Positive = Annotated[float, msgspec.Meta(gt=0, le=100)]
 
 _PLAN_S = 0.04
+_UNFORESEEN = 9.0
+"""Squared innovation over its variance beyond which a shape is a surprise."""
 
 
 class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -32,8 +35,10 @@ class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     feedback_per_s: Positive = 5.0
     """Speed per distance with which an error is made good."""
-    lag_s: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.075
-    """Time with which servos and robot follow a command."""
+    servo_lag_s: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.045
+    """Time constant with which servos follow their commands."""
+    robot_lag_s: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.03
+    """Time constant with which the robot follows its servos."""
     probing_mm: Positive = 0.8
     """How far each axis is moved, and back, to feel what it does."""
     probing_s: Annotated[float, msgspec.Meta(gt=0, le=60)] = 0.5
@@ -76,6 +81,7 @@ class ModelFreeState:
     felt: Felt
     history: History
     """(A,) where the servos were."""
+    following: Following
     probed_s: float
     """How much of the probing is done."""
     led: NDArray[np.intp]
@@ -95,21 +101,23 @@ class ModelFree:
         )
         tendon = np.arange(plant.kinematics.axes) < plant.kinematics.tendons
         self._posture_per_s = np.where(tendon, -tuning.posture_per_s, 0.0)
-        self.lead_s = tuning.lag_s
+        self.lead_s = tuning.servo_lag_s + tuning.robot_lag_s
 
     def start(self, beginning: Beginning[ModelFreeState]) -> ModelFreeState:
         """See `Law`. What was felt is kept while the same nodal points are seen; otherwise the axes are probed anew."""
         before, measured, command_mm = beginning.before, beginning.measured, beginning.command_mm
         known = before is not None and len(before.felt.node_mm) == len(measured.node_mm)
         if before is not None and known:
-            felt, history, probed_s = before.felt, before.history, before.probed_s
+            felt, history, following = before.felt, before.history, before.following
+            probed_s = before.probed_s
         else:
-            felt = self._nothing(measured, command_mm)
-            history, probed_s = History.of(beginning.now_s, command_mm), 0.0
+            felt, history = self._nothing(measured, command_mm), History.of(beginning.now_s, command_mm)
+            following, probed_s = Following.at_rest(command_mm), 0.0
         return ModelFreeState(
             points=beginning.points,
             felt=felt,
             history=history,
+            following=following,
             probed_s=probed_s,
             led=measured.led,
             rate_mm_s=np.zeros(len(command_mm)),
@@ -119,7 +127,13 @@ class ModelFree:
     def step(self, state: ModelFreeState, inputs: LawInputs) -> tuple[ModelFreeState, Array]:
         """See `Law`."""
         position_mm = state.history.values[-1] if inputs.drive is None else inputs.drive.position_mm
-        state = dataclasses.replace(state, history=state.history.then(inputs.now_s, position_mm))
+        state = dataclasses.replace(
+            state,
+            history=state.history.then(inputs.now_s, position_mm),
+            following=state.following.then(
+                inputs.command_mm, position_mm, inputs.dt_s, self._tuning.servo_lag_s
+            ),
+        )
         if inputs.measured is not None:
             then_mm = state.history.at(inputs.measured.capture_s)
             state = dataclasses.replace(
@@ -166,9 +180,12 @@ class ModelFree:
         changed = np.full(len(moved), tuning.jacobian_change**2 * float(np.abs(moved).sum()))
         drift = np.append(tuning.wander_mm**2 * elapsed_s, changed)
         covariance = transition @ before.covariance @ transition.T + np.diag(drift)
-        kalman = covariance[0] / (covariance[0, 0] + tuning.measurement_noise_mm**2)
         foreseen = before.node_mm + before.jacobian @ moved
         innovation = measured.node_mm - foreseen
+        noise, surprise = tuning.measurement_noise_mm**2, float((innovation**2).mean())
+        if surprise > _UNFORESEEN * (covariance[0, 0] + noise):
+            covariance[0, 0] += surprise  # a blow or a slip moves the robot; it says nothing of its Jacobian
+        kalman = covariance[0] / (covariance[0, 0] + noise)
         return Felt(
             capture_s=measured.capture_s,
             position_mm=position_mm,
@@ -180,7 +197,8 @@ class ModelFree:
     def _plan(self, state: ModelFreeState, inputs: LawInputs) -> Array:
         """Rates (A,) of the command."""
         felt, desired, plant = state.felt, inputs.desired, self._plant
-        ahead = felt.node_mm + felt.jacobian @ (inputs.command_mm - felt.position_mm)
+        told_mm = inputs.command_mm - state.following.sag_mm
+        ahead = felt.node_mm + felt.jacobian @ (told_mm - felt.position_mm)
         wanted = desired.velocity_mm_s + self._tuning.feedback_per_s * (desired.node_mm - ahead[state.led])
         speed = np.linalg.norm(wanted, axis=1, keepdims=True)
         wanted *= np.minimum(1.0, plant.maximum_node_speed_mm_s / np.maximum(speed, 1e-9))

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from controller.allocation import Allocation, Body, Wish, tightening_mm_s
 from controller.belief import Axes, Belief, BeliefSettings, Learning
+from controller.following import Following, nearer
 from controller.history import History
 from controller.law import Beginning, LawInputs, Points
 from controller.lost_motion import engaged_after, motion_for, stretch
@@ -27,8 +28,6 @@ from controller.plant import Plant
 Array = NDArray[np.float64]
 
 _PLAN_S = 0.04
-_SAG_S = 0.2
-"""Within which time it is seen by how much servos stay behind their goals."""
 
 
 class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -62,10 +61,7 @@ class ResolvedRateState:
     """As the servos report them."""
     history: History
     """(2 A,) of `axes`, as far as the robot has followed."""
-    lagging_mm: Array
-    """(A,) where servos would be that only lag behind their commands."""
-    sag_mm: Array
-    """(A,) by how much they stay behind besides, under load and friction."""
+    following: Following
     rate_mm_s: Array
     """(A,) as it is to be felt."""
     planned_s: float
@@ -91,21 +87,16 @@ class ResolvedRate:
         before, command_mm = beginning.before, beginning.command_mm
         if before is None:
             axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
-            history, lagging_mm, sag_mm = (
-                History.of(beginning.now_s, _stacked(axes)),
-                command_mm,
-                axes.engaged,
-            )
+            history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
         else:
-            axes, history, lagging_mm, sag_mm = before.axes, before.history, before.lagging_mm, before.sag_mm
+            axes, history, following = before.axes, before.history, before.following
         learnt = None if before is None else before.belief
         return ResolvedRateState(
             points=beginning.points,
             belief=self._learning.begin(beginning.measured, axes, beginning.lost_motion_mm, learnt),
             axes=axes,
             history=history,
-            lagging_mm=lagging_mm,
-            sag_mm=sag_mm,
+            following=following,
             rate_mm_s=np.zeros(len(command_mm)),
             planned_s=-np.inf,
         )
@@ -119,7 +110,7 @@ class ResolvedRate:
             belief = self._learning.corrected(state.belief, inputs.measured, then)
             state = dataclasses.replace(state, belief=belief)
         width_mm, engaging_mm = self._learning.lost_motion_mm(state.belief), self._tuning.engaging_mm
-        told_mm = inputs.command_mm - state.sag_mm
+        told_mm = inputs.command_mm - state.following.sag_mm
         moving = told_mm - state.axes.position_mm
         told = Axes(
             position_mm=told_mm, engaged=engaged_after(state.axes.engaged, moving, width_mm, engaging_mm)
@@ -132,22 +123,19 @@ class ResolvedRate:
 
     def _followed(self, state: ResolvedRateState, inputs: LawInputs) -> ResolvedRateState:
         """Where servos and robot have got to by now."""
-        tuning, axes = self._tuning, state.axes
-        lagging = _nearer(state.lagging_mm, inputs.command_mm, inputs.dt_s / tuning.servo_lag_s)
-        sag = state.sag_mm
+        tuning, axes, following = self._tuning, state.axes, state.following
         if inputs.drive is not None:
             position_mm = inputs.drive.position_mm
             moved, width_mm = position_mm - axes.position_mm, self._learning.lost_motion_mm(state.belief)
             engaged = engaged_after(axes.engaged, moved, width_mm, tuning.engaging_mm)
             axes = Axes(position_mm=position_mm, engaged=engaged)
-            sag = _nearer(sag, lagging - position_mm, inputs.dt_s / _SAG_S)
-        reached = _nearer(state.history.values[-1], _stacked(axes), inputs.dt_s / tuning.robot_lag_s)
+            following = following.then(inputs.command_mm, position_mm, inputs.dt_s, tuning.servo_lag_s)
+        reached = nearer(state.history.values[-1], _stacked(axes), inputs.dt_s / tuning.robot_lag_s)
         return dataclasses.replace(
             state,
             axes=axes,
             history=state.history.then(inputs.now_s, reached),
-            lagging_mm=lagging,
-            sag_mm=sag,
+            following=following,
         )
 
     def _plan(self, state: ResolvedRateState, told: Axes, width_mm: Array, inputs: LawInputs) -> Array:
@@ -183,7 +171,3 @@ def make(tuning: Tuning, plant: Plant) -> ResolvedRate:
 
 def _stacked(axes: Axes) -> Array:
     return np.concatenate([axes.position_mm, axes.engaged])
-
-
-def _nearer(value: Array, goal: Array, share: float) -> Array:
-    return value + min(share, 1.0) * (goal - value)

@@ -82,16 +82,18 @@ def test_files_that_hold_no_law_are_refused_in_their_own_words(tmp_path, text, m
         law(law_file=str(file))
 
 
-def test_a_law_of_ones_own_is_one_file(tmp_path):
+def test_a_law_of_ones_own_is_one_file_and_homing_does_not_depend_on_it(tmp_path):
     file = tmp_path / "stands_still.py"
     file.write_text(STANDING_STILL)
     settings = ControllerSettings(
         law_file=str(file), tuning={"patience": 2.0}, homing=HomingSettings(find_slack=False)
     )
     bench = VirtualBench(VirtualBenchSettings(), settings, ROBOT)
-    bench.run(0.5)
-    assert bench.do("home").accepted
+    bench.home()
+    bench.target(targets.points({"tip": [5.0, 0.0, 83.0]}, {}))
+    assert bench.do("arm").accepted
     samples, _ = bench.run(0.5)
+    assert samples.mode[-1] == "tracking"
     assert np.ptp(asked_of(samples), axis=0).max() == 0.0
     assert type(bench.state).from_bytes(bench.state.to_bytes()).to_bytes() == bench.state.to_bytes()
 
@@ -139,3 +141,21 @@ def test_a_snapshot_of_the_loop_keeps_what_a_law_has_learnt():
     state = bench.state
     assert type(state).from_bytes(state.to_bytes()).to_bytes() == state.to_bytes()
     assert isinstance(Loop(ControllerSettings(), ROBOT).start().to_bytes(), bytes)
+
+
+def test_what_a_law_has_learnt_outlives_a_hold_and_ends_with_a_homing():
+    bench = VirtualBench(VirtualBenchSettings(), ControllerSettings(), ROBOT)
+    bench.home()
+    assert bench.state.learnt is None
+    bench.target(targets.points({"tip": [12.0, 0.0, 82.0]}, {}))
+    bench.do("arm")
+    bench.run(3.0)
+    learnt = bench.state.task.law_state.belief.mean[:20]
+    bench.do("hold")
+    bench.target(targets.points({"middle": [3.0, 0.0, 41.0]}, {}))
+    bench.do("arm")
+    assert np.abs(learnt).max() > 0.05
+    np.testing.assert_allclose(bench.state.task.law_state.belief.mean[:20], learnt, atol=0.05)
+    bench.do("hold")
+    bench.do("home")
+    assert bench.state.learnt is None
