@@ -48,7 +48,7 @@ class LimitSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     insertion_mm: tuple[Travel, Travel] = (0.0, 40.0)
     displacement_mm_s: Speed = 5.0
     insertion_mm_s: Speed = 20.0
-    current_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 1000.0
+    current_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 800.0
     current_grace_s: Seconds = 0.1
     """How long a servo may draw more than `current_ma`, as it does for a moment when it starts to move."""
     least_tension_ma: Annotated[float, msgspec.Meta(gt=0, le=6000)] = 40.0

@@ -57,9 +57,25 @@ def _tendons(settings: "BenchSettings") -> Iterator[str]:
     sections, controlled = len(settings.robot.section_length_mm), len(settings.controller.sections)
     if controlled != sections:
         yield f"controller.sections describes {controlled} sections; robot.section_length_mm has {sections}"
-    pairs, servos = 2 * controlled, len(settings.servos.tendons)
-    if servos != pairs:
-        yield f"servos.tendons has {servos} tendon pairs; controller.sections needs {pairs}, two for each section"
+    needed = sum(len(section.angle_deg) for section in settings.controller.sections)
+    if len(settings.servos.tendons) != needed:
+        yield (
+            f"servos.tendons has {len(settings.servos.tendons)} servos; controller.sections needs {needed}, one for each "
+            "pair or single tendon"
+        )
+    reach_mm, current_ma = settings.controller.limits.displacement_mm, settings.controller.limits.current_ma
+    for axis in settings.servos.tendons:
+        if axis.min_mm > -reach_mm or axis.max_mm < reach_mm:
+            yield (
+                f"controller.limits.displacement_mm {reach_mm:g} reaches beyond servo {axis.name}, "
+                f"which travels {axis.min_mm:g} to {axis.max_mm:g} mm"
+            )
+    for axis in settings.servos.axes:
+        if axis.max_current_ma <= current_ma:
+            yield (
+                f"servo {axis.name} bounds itself at max_current_ma {axis.max_current_ma:g}, so controller.limits.current_ma "
+                f"{current_ma:g} would never be exceeded; it must be lower"
+            )
     travel, stage = settings.controller.limits.insertion_mm, settings.servos.stage
     if settings.robot.stage != (stage is not None):
         yield f"robot.stage is {str(settings.robot.stage).lower()}; servos.stage is {'missing' if stage is None else 'given'}"

@@ -192,7 +192,7 @@ TROUBLES = {
     unplug: "/dev/ttyUSB0: the port is gone",
     alarm: r"hardware error bits: tendon 1 0x20 \(pair 1: overload\)",
     let_go: "let its tendon go",
-    overload: "tendon 1 draws 1234 mA for more than 0.1 s; at most 1000 mA are allowed",
+    overload: "tendon 1 draws 1234 mA for more than 0.1 s; at most 800 mA are allowed",
     run_away: r"tendon 2: .* mm, travel -5 to 5",
 }
 

@@ -58,7 +58,7 @@ TROUBLES = {
     heat: ("too_hot", 71.0, 70.0, "C", 0.0),
     starve: ("supply_voltage", 8.5, 9.0, "V", 0.5),
     overcharge: ("supply_voltage", 17.0, 16.0, "V", 0.5),
-    overload: ("excess_current", 1234.0, 1000.0, "mA", 0.1),
+    overload: ("excess_current", 1234.0, 800.0, "mA", 0.1),
     run_away: ("travel", 9.0, 5.0, "mm", 0.0),
     lag: ("not_following", 3.5, 3.0, "mm", 0.5),
     stall: ("loop_stalled", 0.6, 0.5, "s", 0.0),

@@ -133,7 +133,15 @@ def test_a_missing_key_is_named(tmp_path, table, key):
         ),
         (
             lambda table: table["servos"]["tendons"].pop(),
-            "servos.tendons has 3 tendon pairs; controller.sections needs 4",
+            "servos.tendons has 3 servos; controller.sections needs 4",
+        ),
+        (
+            lambda table: table.update(controller={"limits": {"displacement_mm": 7}}),
+            "controller.limits.displacement_mm 7 reaches beyond servo proximal x, which travels -6 to 6 mm",
+        ),
+        (
+            lambda table: table["servos"]["stage"].update(max_current_ma=800),
+            "servo stage bounds itself at max_current_ma 800, so controller.limits.current_ma 800 would never be exceeded",
         ),
         (lambda table: table["servos"].pop("stage"), "robot.stage is true; servos.stage is missing"),
         (

@@ -148,7 +148,11 @@ def _tendons(run: BenchRun) -> Chapter:
     """Of each tendon pair and the stage: what was asked, what was reached, and how its servo fared."""
     reached = np.array([state.position_mm for state in run.tendons])
     tendons = len(run.tendons[0].displacement_mm)
-    errors = reached - _asked_before(run)[:, : reached.shape[1]] if run.commands else np.zeros((0, reached.shape[1]))
+    errors = (
+        reached - _asked_before(run)[:, : reached.shape[1]]
+        if run.commands
+        else np.zeros((0, reached.shape[1]))
+    )
     errors = errors[np.isfinite(errors).all(axis=1)]
     axes = reached.shape[1]
     servos = {

@@ -64,7 +64,11 @@ def test_a_stretch_lasts_until_the_next_begins_and_ends_with_silence(cycles, sai
 
 
 def test_what_was_limited_in_single_cycles_does_not_end_a_stretch(cycles):
-    states = [*cycles(0, 1), *cycles(1, 1.1, reason="tendon 2: 5.7 mm/s asked, rate -5 to 5"), *cycles(1.1, 2)]
+    states = [
+        *cycles(0, 1),
+        *cycles(1, 1.1, reason="tendon 2: 5.7 mm/s asked, rate -5 to 5"),
+        *cycles(1.1, 2),
+    ]
 
     assert len(stretches(states)) == 1
 
