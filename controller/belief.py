@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller.kinematics import Kinematics
-from controller.law import Measurement
+from controller.law import Measurement, same_points
 from controller.lost_motion import felt_mm
 
 Array = NDArray[np.float64]
@@ -95,37 +95,44 @@ class Learning:
         self._sigma = np.repeat(
             [settings.gain_sigma, settings.bias_rad, settings.stage_gain_sigma, lost_sigma], sizes
         )
-        reach = np.repeat([settings.bound, 4 * settings.bias_rad, settings.bound, 4 * lost_sigma], sizes)
-        self._reach = reach
+        self._reach = np.repeat(
+            [settings.bound, 4 * settings.bias_rad, settings.bound, 4 * lost_sigma], sizes
+        )
 
-    def begin(
-        self, measured: Measurement, axes: Axes, lost_motion_mm: Array, before: Belief | None
-    ) -> Belief:
-        """What is believed when points are led anew: what was learnt `before`, if anything was; new offsets as first seen.
+    def begin(self, measured: Measurement, axes: Axes, lost_motion_mm: Array) -> Belief:
+        """What is believed of a robot that was just homed: its nominal model, with offsets as first seen.
 
         `lost_motion_mm` (A,) as homing found it, NaN where it did not look.
         """
-        if before is not None and np.array_equal(before.arc_mm, measured.arc_mm):
-            return before
-        known = self._known
-        nominal = np.zeros(known + measured.node_mm.size)
         found = lost_motion_mm[: self._kinematics.tendons]
+        nominal = np.zeros(self._known)
         nominal[self._lost] = np.where(np.isnan(found), self._settings.lost_motion_mm, found)
-        mean = nominal.copy()
-        covariance = np.diag(np.append(self._sigma, self._offset_sigma(measured.arc_mm)) ** 2)
-        if before is not None:
-            mean[:known] = before.mean[:known]
-            covariance[:known, :known] = before.covariance[:known, :known]
+        return self._seen_first(nominal, nominal, np.diag(self._sigma**2), measured, axes)
+
+    def at_points(self, belief: Belief, measured: Measurement, axes: Axes) -> Belief:
+        """The same belief for the nodal points that are seen now: with offsets as first seen if they are others."""
+        if same_points(belief.arc_mm, measured.arc_mm):
+            return belief
+        known = slice(0, self._known)
+        covariance = belief.covariance[known, known]
+        return self._seen_first(belief.nominal[known], belief.mean[known], covariance, measured, axes)
+
+    def _seen_first(
+        self, nominal: Array, mean: Array, covariance: Array, measured: Measurement, axes: Axes
+    ) -> Belief:
+        """What is believed of the robot (n,), with offsets that make it agree with what is seen."""
+        unknown = np.zeros(measured.node_mm.size)
+        both = np.diag(np.append(np.zeros(self._known), self._offset_sigma(measured.arc_mm) ** 2))
+        both[: self._known, : self._known] = covariance
         belief = Belief(
             capture_s=measured.capture_s,
             arc_mm=measured.arc_mm,
-            mean=mean,
-            covariance=covariance,
-            nominal=nominal,
+            mean=np.append(mean, unknown),
+            covariance=both,
+            nominal=np.append(nominal, unknown),
         )
         missed = measured.node_mm - self.nodes(belief, self.felt_mm(belief, axes), measured.arc_mm)[0]
-        mean[known:] = missed.ravel()
-        return belief
+        return dataclasses.replace(belief, mean=np.append(mean, missed.ravel()))
 
     def lost_motion_mm(self, belief: Belief) -> Array:
         """(A,) as believed; 0 for the stage."""
@@ -136,7 +143,7 @@ class Learning:
         return felt_mm(axes.position_mm, axes.engaged, self.lost_motion_mm(belief))
 
     def nodes(self, belief: Belief, felt: Array, arc_mm: Array) -> tuple[Array, Array]:
-        """Positions (m, 3) of the points at `arc_mm` (m,), and their derivatives (m, 3, A) by `felt` (A,), what the robot feels of the axes."""
+        """Positions (m, 3) of the points at `arc_mm` (m,), and how they move (m, 3, A) with what is `felt` (A,) of the axes."""
         points, by_bend, turned = self._bent(belief, felt, arc_mm)
         jacobian = np.zeros((*points.shape, self._kinematics.axes))
         jacobian += by_bend @ (turned @ self._clarke)
@@ -151,8 +158,8 @@ class Learning:
 
     def corrected(self, belief: Belief, measured: Measurement, axes: Axes) -> Belief:
         """The belief after this shape, whose frames were taken while the axes were there."""
-        if len(measured.arc_mm) != len(belief.arc_mm):
-            return self.begin(measured, axes, np.full(self._kinematics.axes, np.nan), belief)
+        if not same_points(belief.arc_mm, measured.arc_mm):
+            return self.at_points(belief, measured, axes)
         mean, covariance = self._aged(belief, measured.capture_s - belief.capture_s)
         belief = dataclasses.replace(belief, mean=mean, covariance=covariance)
         felt = self.felt_mm(belief, axes)

@@ -18,6 +18,11 @@ SAME_ARC_MM = 1.0
 """How far a nodal point may wander along the robot, by measuring, and still be the same point."""
 
 
+def same_points(arc_mm: Array, others_mm: Array) -> bool:
+    """True when nodal points at these arc lengths are the same, one by one."""
+    return arc_mm.shape == others_mm.shape and bool((np.abs(arc_mm - others_mm) < SAME_ARC_MM).all())
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
     """A shape that arrived in this cycle, with all its nodal points, k of them, in the robot frame.
@@ -61,7 +66,7 @@ class Points:
         return (
             np.array_equal(self.weights, other.weights)
             and np.array_equal(self.movable, other.movable)
-            and bool(np.abs(self.arc_mm - other.arc_mm).max() < SAME_ARC_MM)
+            and same_points(self.arc_mm, other.arc_mm)
         )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller.history import History
-from controller.law import SAME_ARC_MM
+from controller.law import same_points
 
 Array = NDArray[np.float64]
 
@@ -36,8 +36,7 @@ class Rest:
 
     def shows(self, arc_mm: Array) -> bool:
         """True when nodal points at these arc lengths are the same."""
-        same = self.arc_mm.shape == arc_mm.shape
-        return same and bool(np.abs(self.arc_mm - arc_mm).max() < SAME_ARC_MM)
+        return same_points(self.arc_mm, arc_mm)
 
     def apart_mm(self, node_mm: Array) -> float:
         """How far any nodal point is from where it rested."""

@@ -84,16 +84,17 @@ class ResolvedRate:
 
     def start(self, beginning: Beginning[ResolvedRateState]) -> ResolvedRateState:
         """See `Law`. What was learnt of the robot is kept, whichever points are led."""
-        before, command_mm = beginning.before, beginning.command_mm
+        before, measured, command_mm = beginning.before, beginning.measured, beginning.command_mm
         if before is None:
             axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
             history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
+            belief = self._learning.begin(measured, axes, beginning.lost_motion_mm)
         else:
             axes, history, following = before.axes, before.history, before.following
-        learnt = None if before is None else before.belief
+            belief = self._learning.at_points(before.belief, measured, axes)
         return ResolvedRateState(
             points=beginning.points,
-            belief=self._learning.begin(beginning.measured, axes, beginning.lost_motion_mm, learnt),
+            belief=belief,
             axes=axes,
             history=history,
             following=following,

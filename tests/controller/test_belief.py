@@ -50,7 +50,7 @@ def learn(robot, seconds=16.0, settings=None, seed=1, begin=None):
     positions, times = path(seconds)
     engaged = np.zeros(5)
     first = measured(robot.at(positions[0]), times[0])
-    belief = begin or learning.begin(first, Axes(position_mm=positions[0], engaged=engaged), UNKNOWN, None)
+    belief = begin or learning.begin(first, Axes(position_mm=positions[0], engaged=engaged), UNKNOWN)
     misses = []
     for before, position, time in zip(positions, positions[1:], times[1:], strict=False):
         width = learning.lost_motion_mm(belief)
@@ -76,7 +76,7 @@ def jacobian_error(learning, belief, axes, robot):
 def test_gains_are_learnt_far_better_than_the_nominal_model(gain):
     robot = Robot(gain=gain, bias_mm=(0.3, -0.2, 0.1, 0.2))
     learning, belief, misses, axes = learn(robot)
-    nominal = learning.begin(measured(robot.at(axes.position_mm), 0.0), axes, UNKNOWN, None)
+    nominal = learning.begin(measured(robot.at(axes.position_mm), 0.0), axes, UNKNOWN)
     learnt, unlearnt = (jacobian_error(learning, b, axes, robot) for b in (belief, nominal))
     assert learnt < 0.3 * unlearnt
     assert misses[-150:].mean() < 0.05
@@ -94,7 +94,7 @@ def test_what_homing_found_is_where_learning_begins():
     learning = Learning(BeliefSettings(lost_motion_mm=0.3), KINEMATICS)
     resting = Axes(position_mm=np.zeros(5), engaged=np.zeros(5))
     found = np.array([0.1, np.nan, 0.5, np.nan, np.nan])
-    belief = learning.begin(measured(KINEMATICS.nodes_mm(np.zeros(5), ARC), 0.0), resting, found, None)
+    belief = learning.begin(measured(KINEMATICS.nodes_mm(np.zeros(5), ARC), 0.0), resting, found)
     np.testing.assert_allclose(learning.lost_motion_mm(belief), [0.1, 0.3, 0.5, 0.3, 0.0])
 
 

@@ -82,6 +82,14 @@ def bench(tmp_path, zenoh_settings):
     return str(tmp_path / "bench.toml")
 
 
+@pytest.fixture
+def interruptible():
+    """SIGINT works even if whoever started the tests had it ignored, as shells do for what runs in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_every_action_is_asked_for_and_what_was_answered_is_said(controller, bench, capsys):
     assert main(["do", "pause", "--config", bench]) == 0
     assert main(["do", "jog", "2", "-0.5", "--config", bench]) == 0
@@ -114,7 +122,7 @@ def test_words_that_do_not_fit_the_action_are_an_error(words, capsys):
 
 
 def test_watch_says_what_changes_and_gives_a_heartbeat_until_it_is_interrupted(
-    controller, bench, capsys, eventually
+    controller, bench, capsys, eventually, interruptible
 ):
     def interrupt():
         eventually(lambda: controller.beats > 3)
