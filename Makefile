@@ -22,8 +22,8 @@ test: .venv/dev.stamp ## lint, types, import contracts, tests
 	$(BIN)/lint-imports
 	$(BIN)/pytest
 
-BENCHMARKS = $(sort $(patsubst benchmarks/%.py,benchmarks.%,$(shell grep -l '__name__ == "__main__"' benchmarks/*.py))) \
-	$(patsubst benchmarks/%/__main__.py,benchmarks.%,$(wildcard benchmarks/*/__main__.py))
+BENCHMARKS = $(sort $(subst /,.,$(patsubst %/__main__,%,$(basename \
+	$(shell grep -l '__name__ == "__main__"' benchmarks/*.py benchmarks/*/*.py) $(wildcard benchmarks/*/__main__.py)))))
 
 bench: .venv/dev.stamp ## side-by-side measurements; takes minutes; NODAL_PHOTOGRAPHS names a folder of photographs
 	@for one in $(BENCHMARKS); do echo "== $$one"; $(BIN)/python -m $$one || exit 1; done
@@ -40,9 +40,10 @@ protobuf: .venv/dev.stamp ## generate messaging/generated from messaging/proto
 	$(BIN)/python -m grpc_tools.protoc -I messaging/proto \
 		--python_out messaging/generated --pyi_out messaging/generated messaging/proto/nodal.proto
 
-docs: .venv/dev.stamp ## write the references in docs/ anew from settings and topics
+docs: .venv/dev.stamp ## write the references in docs/ anew from settings, topics and faults
 	$(BIN)/python -m nodal.settings_reference docs/bench-file.md
 	$(BIN)/python -m nodal.message_reference > docs/messages.md
+	$(BIN)/python -m nodal.fault_reference > docs/faults.md
 
 COMPILE = uv pip compile pyproject.toml --group install --universal --generate-hashes \
 	--python-version 3.11 --no-header --quiet
