@@ -2,7 +2,7 @@
 
 A run in which a replay meets everything that it must repeat: homing, a target out of reach, a circle, a pause, an operator's
 heartbeat, nodal points that are renamed on the way, sensing that freezes, a fault, sensing that dies and starts again, a
-second homing, a jog, and a stop signal.
+second homing, a stop signal, a jog, and the operator's stop.
 """
 
 import os
@@ -96,13 +96,14 @@ def main(out: Path) -> None:
         os.kill(sensing, signal.SIGKILL)
         run.seen()
         run.do(Action.HOME)
-        run.until(State.READY)
+        run.for_a_while(10)
+        session.gives(STOP).give()
+        run.until(State.IDLE)
         run.ask(CONTROLLER_DO, ActionRequest(action=Action.JOG, axis="1", distance_mm=0.2))
         run.for_a_while(3)
         run.do(Action.STATUS)
-        session.gives(STOP).give()
+        run.do(Action.STOP)
         run.until(State.IDLE)
-        run.for_a_while(2)
     print(folder.recording)
 
 

@@ -299,7 +299,7 @@ class TestWords:
     @pytest.mark.parametrize(
         ("change", "complaint"),
         [
-            ("controller.law=mine", "law 'mine' is not known; known are resolved_rate"),
+            ("controller.law=mine", "law 'mine' is not known; known are model_free, resolved_rate"),
             ("controller.rate=3", "controller.rate is unknown"),
             ("sensing.nodal_points=[{name='far', arc_mm=99}]", "far at 99 mm is beyond the robot"),
             ("sensing.background.left=x.jpg", "no background-left is attached"),

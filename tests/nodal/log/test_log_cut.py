@@ -29,13 +29,13 @@ def entries(path, *span):
 @pytest.fixture(scope="module")
 def middle(tmp_path_factory):
     path = tmp_path_factory.mktemp("cut") / "middle.mcap"
-    assert cut(path, "--from", "6", "--until", "9.5") == 0
+    assert cut(path, "--from", "8", "--until", "11.5") == 0
     return path
 
 
 def test_a_cut_holds_what_was_logged_then_byte_for_byte(middle):
     begin_ns, _ = Log(RUN).span_ns
-    span_ns = begin_ns + 6 * SECOND_NS, begin_ns + 95 * SECOND_NS // 10
+    span_ns = begin_ns + 8 * SECOND_NS, begin_ns + 115 * SECOND_NS // 10
     (repeated,) = (int(part["repeated"]) for part in Log(middle).metadata("PART").values())
     assert repeated > 0
     assert entries(middle)[repeated:] == entries(RUN, *span_ns)

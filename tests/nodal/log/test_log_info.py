@@ -47,7 +47,7 @@ def test_the_page_tells_what_was_asked_and_what_happened(info):
     for words in (
         "fault",
         "homing",
-        "the operator asked to home",
+        "the operator asked to arm",
         "nodal points distal at 60 mm",
         "refused",
         "circle",
