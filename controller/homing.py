@@ -2,8 +2,8 @@
 
 A pair of tendons is pulled one way until the robot follows, and then the other way until it follows again. What the axis
 travels in between without being followed is its lost motion, by play and by friction; its middle is where the search
-leaves the axis. A single tendon is tightened until its current rises. What never answers is slack or snapped; what goes
-another way than the model says is wired or signed the wrong way.
+leaves the axis. A single tendon is tightened until the robot follows, or its current rises. What never answers is slack or
+snapped; what goes another way than the model says is wired or signed the wrong way.
 
 The robot is compared with where the servo stood when the frames were taken, so delay does not count as lost motion.
 """
@@ -82,8 +82,10 @@ class SlackSearch:
                 search = self._forth(search, seen, now_s)
             case Stroke.BACK:
                 search = self._back(search, seen, float(drive.position_mm[axis]), now_s)
-            case Stroke.TIGHTEN if abs(search.current_ma - search.rest_ma) >= self._settings.tension_ma:
-                return self._next(search, command_mm, drive, now_s)
+            case Stroke.TIGHTEN:
+                search, tight = self._answered(search, self._sight(search, seen))
+                if tight:
+                    return self._next(search, command_mm, drive, now_s)
             case Stroke.MIDDLE if abs(command_mm[axis] - search.goal_mm) < _THERE_MM:
                 return self._next(search, command_mm, drive, now_s)
         most_mm = self._settings.probe_mm_s * dt_s
@@ -142,25 +144,46 @@ class SlackSearch:
             goal_mm=self._reach(search, 1),
         )
 
-    def _forth(self, search: Search, seen: Seen | None, now_s: float) -> Search:
-        sight = self._sight(search, seen)
+    def _answered(self, search: Search, sight: Sight | None) -> tuple[Search, bool]:
+        """Whether the cameras or the current say that the axis pulls; raises WrongWayError when it pulls elsewhere."""
+        seen_mm = self._rest_of(search).seen_mm
         if sight is not None:
             search = dataclasses.replace(search, moved_mm=max(search.moved_mm, sight.moved_mm))
-            if sight.moved_mm >= self._rest_of(search).seen_mm and sight.cosine <= -_SAME_WAY:
+            if sight.moved_mm >= seen_mm and sight.cosine <= -_SAME_WAY:
                 raise self._wrong(search, sight.cosine)
-        push_ma = search.current_ma - search.rest_ma
-        if self._follows(search, sight) or abs(push_ma) >= self._settings.current_rise_ma:
-            position_mm = float(search.positions.values[-1][0])
-            return dataclasses.replace(
-                search,
-                stroke=Stroke.BACK,
-                since_s=now_s,
-                turn_ma=push_ma,
-                turn_mm=position_mm,
-                followed_mm=-np.inf if sight is None else sight.followed_mm,
-                goal_mm=self._reach(search, -1),
-            )
-        return search
+            if sight.moved_mm >= seen_mm and sight.cosine >= _SAME_WAY:
+                return search, True
+        pulls = self._pull_ma(search) >= self._asked_ma(search)
+        if pulls and search.moved_mm >= seen_mm:
+            raise self._wrong(search, 0.0)
+        return search, pulls
+
+    def _pull_ma(self, search: Search) -> float:
+        """By how much the current has risen. A tendon can only resist being pulled, so one that lets go of a load that the
+        servo bore the other way has not risen; a pair bears either way.
+        """
+        if search.stroke is Stroke.TIGHTEN:
+            return search.current_ma - max(search.rest_ma, 0.0)
+        return abs(search.current_ma - search.rest_ma)
+
+    def _asked_ma(self, search: Search) -> float:
+        tightens = search.stroke is Stroke.TIGHTEN
+        return self._settings.tension_ma if tightens else self._settings.current_rise_ma
+
+    def _forth(self, search: Search, seen: Seen | None, now_s: float) -> Search:
+        sight = self._sight(search, seen)
+        search, answered = self._answered(search, sight)
+        if not answered:
+            return search
+        return dataclasses.replace(
+            search,
+            stroke=Stroke.BACK,
+            since_s=now_s,
+            turn_ma=search.current_ma - search.rest_ma,
+            turn_mm=float(search.positions.values[-1][0]),
+            followed_mm=-np.inf if sight is None else sight.followed_mm,
+            goal_mm=self._reach(search, -1),
+        )
 
     def _back(self, search: Search, seen: Seen | None, position_mm: float, now_s: float) -> Search:
         search = dataclasses.replace(search, turn_mm=max(search.turn_mm, position_mm))
@@ -189,10 +212,6 @@ class SlackSearch:
             return None
         return Sight.of(search.rest, seen.shape.node_mm, self._motion(search), seen.capture_s)
 
-    def _follows(self, search: Search, sight: Sight | None) -> bool:
-        moved_mm = self._rest_of(search).seen_mm
-        return sight is not None and sight.moved_mm >= moved_mm and sight.cosine >= _SAME_WAY
-
     def _motion(self, search: Search) -> Array:
         """(m, 3) how the model's nodal points move per mm of the axis."""
         straight, arc_mm = np.zeros(self._plant.kinematics.axes), self._rest_of(search).arc_mm
@@ -219,12 +238,9 @@ class SlackSearch:
         if search.moved_mm >= seen_mm:
             return self._wrong(search, 0.0)
         limit_mm = self._settings.search_mm
-        asked_ma = (
-            self._settings.tension_ma if search.stroke is Stroke.TIGHTEN else self._settings.current_rise_ma
-        )
         return TendonSlackError(
             f"{self._name(search)} was moved by {limit_mm:g} mm, and no nodal point moved by {seen_mm:g} mm "
-            f"nor did its current rise by {asked_ma:g} mA",
+            f"nor did its current rise by {self._asked_ma(search):g} mA",
             value=search.moved_mm,
             limit=seen_mm,
             unit="mm",

@@ -44,8 +44,8 @@ class ServoAlarmError(ActuatorError):
 class ActuatorState:
     """One reading of the drive. D tendons or pairs; arrays over servos hold them in order, then the stage if there is one.
 
-    Positive displacement pulls the pair's first tendon in; positive insertion moves the robot forward.
-    `hardware_error` holds each servo's own error bits, 0 when it is well.
+    Positive displacement pulls the pair's first tendon in; positive insertion moves the robot forward; a positive current
+    drives that way. `hardware_error` holds each servo's own error bits, 0 when it is well.
     """
 
     displacement_mm: NDArray[np.float64]

@@ -234,7 +234,7 @@ class TendonActuators:
             displacement_mm_s=np.array(velocity_mm_s[:tendons]),
             insertion_mm=sum(position_mm[tendons:]),
             insertion_mm_s=sum(velocity_mm_s[tendons:]),
-            current_ma=np.array([block.current * axis.model.current_unit_ma for axis, block in pairs]),
+            current_ma=np.array([axis.current_ma(block.current) for axis, block in pairs]),
             temperature_c=np.array([float(block.temperature) for block in blocks]),
             voltage_v=np.array([block.voltage * VOLTS_PER_COUNT for block in blocks]),
             hardware_error=tuple(block.hardware_error for block in blocks),

@@ -31,6 +31,10 @@ class Axis:
         """Present Velocity in mm/s."""
         return velocity * RAD_S_PER_VELOCITY * self.settings.mm_per_rad
 
+    def current_ma(self, current: int) -> float:
+        """Present Current, positive where it drives the axis towards more mm."""
+        return math.copysign(self.model.current_unit_ma, self.settings.mm_per_rad) * current
+
     def goal_ticks(self, position_mm: float) -> int:
         """The Goal Position nearest to `position_mm`."""
         return round(self.zero_ticks + position_mm / self.mm_per_tick)

@@ -147,6 +147,56 @@ def test_a_single_tendon_that_never_pulls_is_named(bench_of):
     assert fault.state.supervision.fault.code == "tendon_slack"
 
 
+def test_the_cameras_say_as_well_that_a_single_tendon_is_tight(bench_of):
+    """No current ever rises, as with much friction in the servo."""
+    moments = [moment for moment in homing(bench_of(settings=SINGLE, play_mm=0.0)) if moment.state.search]
+    tightened_mm = moments[-1].state.command_mm[:6]
+    assert (tightened_mm > 0.1).all()
+    assert (tightened_mm < 1.0).all()
+
+
+@pytest.mark.parametrize(
+    "let_out_ma",
+    [lambda out_mm: -200.0 * out_mm, lambda out_mm: np.minimum(400.0 * out_mm - 500.0, 0.0)],
+    ids=["a current that falls", "a load that ends"],
+)
+def test_a_tendon_that_is_let_out_is_not_tight(bench_of, let_out_ma):
+    """The second is wound the wrong way round, and no camera sees any motion."""
+    bench = bench_of(settings=SINGLE, gain=0.0)
+    bench.servos.pull_ma = lambda pulled_mm: np.where(
+        np.arange(7) == 1, let_out_ma(pulled_mm), 400 * pulled_mm
+    )
+    fault = homing(bench)[-1]
+    assert fault.state.supervision.fault.code == "tendon_slack"
+    assert "tendon 2 was moved by 3 mm" in fault.outputs.reason
+
+
+@pytest.mark.parametrize(
+    ("connected", "how"),
+    [([0, 2, 1, 3, 4, 5, 6], "the opposite way"), ([0, 4, 2, 3, 1, 5, 6], "sideways")],
+    ids=["of one section", "of two sections"],
+)
+def test_single_tendons_that_are_swapped_pull_elsewhere(bench_of, connected, how):
+    """The current rises as it should, once the robot has been seen to move."""
+    angles_deg = (0.0, 120.0, 240.0), (90.0, 210.0, 330.0)
+    settings = ControllerSettings(sections=tuple(SectionTendons(tendon_angle_deg=a) for a in angles_deg))
+    bench = bench_of(settings=settings, play_mm=0.0)
+    straight = bench.robot.move
+    bench.robot.move = lambda command_mm, dt_s: straight(command_mm[connected], dt_s)
+    bench.servos.pull_ma = lambda pulled_mm: 100 * np.clip(pulled_mm, 0, None)
+    fault = homing(bench)[-1]
+    assert f"tendon 2 was pulled, and the robot went {how}" in fault.outputs.reason
+    assert fault.state.supervision.fault.code == "wrong_way"
+
+
+def test_a_pair_whose_current_rises_while_the_robot_goes_sideways_is_named(bench_of):
+    bench = bench_of(play_mm=0.0)
+    straight = bench.robot.move
+    bench.robot.move = lambda command_mm, dt_s: straight(command_mm[[1, 0, 3, 2, 4]], dt_s)
+    bench.servos.pull_ma = lambda pulled_mm: 300 * pulled_mm
+    assert "tendon 1 was pulled, and the robot went sideways" in homing(bench)[-1].outputs.reason
+
+
 SLOW = ShapeSettings(rate_hz=10.0, delay_s=0.15, dropped=0.2)
 
 
