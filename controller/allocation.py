@@ -9,11 +9,13 @@ Solved by DAQP (Arnstrom, Bemporad, Axehill, "A dual active-set solver for embed
 """
 
 import dataclasses
+from typing import Self
 
 import daqp
 import numpy as np
 from numpy.typing import NDArray
 
+from controller.law import Desired
 from controller.plant import Plant
 
 Array = NDArray[np.float64]
@@ -31,12 +33,40 @@ _WITHIN = 1 - 1e-9
 _SOLVED = 1
 
 
+PLAN_S = 0.04
+"""For how long rates may go on when no new shape comes, before they are found anew."""
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Wish:
     """Rates (n,) in mm/s asked of n coordinates that move by `rows` (n, A) for each mm of the axes."""
 
     rows: Array
     rate_mm_s: Array
+
+    @classmethod
+    def towards(
+        cls,
+        desired: Desired,
+        node_mm: Array,
+        jacobian: Array,
+        weights: Array,
+        *,
+        feedback_per_s: float,
+        most_mm_s: float,
+    ) -> Self:
+        """That points (m, 3), which move by (m, 3, A), go as desired and make good what they miss, each at `most_mm_s`."""
+        rate = desired.velocity_mm_s + feedback_per_s * (desired.node_mm - node_mm)
+        speed = np.linalg.norm(rate, axis=1, keepdims=True)
+        rate *= np.minimum(1.0, most_mm_s / np.maximum(speed, 1e-9))
+        root = np.sqrt(weights / weights.max())[:, None]
+        rows = (jacobian * root[..., None]).reshape(-1, jacobian.shape[-1])
+        return cls(rows=rows, rate_mm_s=(rate * root).ravel())
+
+    @classmethod
+    def none(cls, axes: int) -> Self:
+        """Nothing is asked."""
+        return cls(rows=np.zeros((1, axes)), rate_mm_s=np.zeros(1))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

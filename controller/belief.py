@@ -113,6 +113,10 @@ class Learning:
         """The same belief for the nodal points that are seen now: with offsets as first seen if they are others."""
         if same_points(belief.arc_mm, measured.arc_mm):
             return belief
+        return self.seen_anew(belief, measured, axes)
+
+    def seen_anew(self, belief: Belief, measured: Measurement, axes: Axes) -> Belief:
+        """What is believed of the robot, with offsets as seen now: after a while in which nobody looked."""
         known = slice(0, self._known)
         covariance = belief.covariance[known, known]
         return self._seen_first(belief.nominal[known], belief.mean[known], covariance, measured, axes)

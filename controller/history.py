@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_KEPT_S = 0.5
+KEPT_S = 1.0
+"""A shape may be as old as this when it arrives."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class History:
-    """Values at increasing times, no longer back than half a second."""
+    """Values at increasing times, no longer back than `KEPT_S`."""
 
     times_s: tuple[float, ...]
     values: tuple[Array, ...]
@@ -26,7 +27,7 @@ class History:
 
     def then(self, time_s: float, value: Array) -> Self:
         """This history, gone on."""
-        oldest = bisect_right(self.times_s, time_s - _KEPT_S)
+        oldest = bisect_right(self.times_s, time_s - KEPT_S)
         return type(self)((*self.times_s[oldest:], time_s), (*self.values[oldest:], value))
 
     def at(self, time_s: float) -> Array:

@@ -93,7 +93,10 @@ class Kinematics:
         self._bend_of_displacement = (
             self.bend_of_coordinates @ self.coordinates_of_command[: 2 * sections, : self.tendons]
         )
-        tightening = np.eye(self.axes) - self.command_of_coordinates @ self.coordinates_of_command
+        moving = self.command_of_coordinates @ self.coordinates_of_command
+        self.bending = moving * (np.arange(self.axes) < self.tendons)
+        """(A, A): the part of a command that bends the robot; neither its stage nor what only tightens tendons."""
+        tightening = np.eye(self.axes) - moving
         self.tightening = tightening if self.axes > 2 * sections + stage else np.zeros((0, self.axes))
         """(A, A) or (0, A): the part of a command that bends nothing and only tightens or slackens tendons."""
 

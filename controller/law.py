@@ -61,14 +61,6 @@ class Points:
     weights: Array
     movable: NDArray[np.bool_]
 
-    def same_as(self, other: "Points") -> bool:
-        """True when these are the same points, and weigh and move alike."""
-        return (
-            np.array_equal(self.weights, other.weights)
-            and np.array_equal(self.movable, other.movable)
-            and same_points(self.arc_mm, other.arc_mm)
-        )
-
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Beginning(Generic[S]):

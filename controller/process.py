@@ -16,7 +16,6 @@ from controller.punctuality import Punctuality
 from controller.settings import ControllerSettings
 from controller.wire import Wire
 from drivers.actuators import Actuators
-from messaging.history import Memory
 from messaging.session import Session
 from messaging.settings import RobotSettings
 
@@ -86,7 +85,7 @@ def run(
             number = wire.say(outputs, said)
             if beat.now_s >= remember_at_s:
                 remember_at_s = beat.now_s + _MEMORY_PERIOD_S
-                wire.say_memory(Memory(time_ns=timing.time_ns, content=state.to_bytes(), publication=number))
+                wire.say_memory(state, timing.time_ns, number)
             if state.mode is not before.mode:
                 logger.info("%s: %s", state.mode, outputs.reason)
             for level, line in punctuality.told(timing, said.command, beat.now_s):

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
+from controller.history import KEPT_S
 from controller.kinematics import Kinematics
 from controller.regions import Region
 from messaging.settings import RobotSettings
@@ -84,7 +85,7 @@ class LimitSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 class SensingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """When shapes are trusted."""
 
-    maximum_age_s: Seconds = 0.1
+    maximum_age_s: Annotated[float, msgspec.Meta(gt=0, le=KEPT_S)] = 0.1
     """An estimate older than this when it arrives is as good as none."""
     timeout_s: Annotated[float, msgspec.Meta(gt=0, le=0.5)] = 0.09
     """Without a trusted estimate for this long the tendons keep their place; cameras at 10 Hz need more than 0.2 s."""
@@ -105,9 +106,9 @@ class HomingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
 
     Each tendon pair is pulled one way and the other at `probe_mm_s`, at most `search_mm` each way, until the cameras see
     nodal points move by `seen_mm`, or further if they say of themselves that they see no better, or the current rises by
-    `current_rise_ma`. A single tendon is tightened until its current
-    rises by `tension_ma`. Then nodal points go to the axis at `node_speed_mm_s` until their RMS distance from the axis stays
-    below `within_mm` for `settle_s`, within `timeout_s`.
+    `current_rise_ma`. A single tendon is tightened until the cameras see as much, or its current rises by `tension_ma`. Then
+    nodal points go to the axis at `node_speed_mm_s` until their RMS distance from the axis stays below `within_mm` for
+    `settle_s`, within `timeout_s`.
     """
 
     find_slack: bool = True

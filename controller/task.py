@@ -17,6 +17,7 @@ from controller.reference import Reference
 from drivers.actuators import ActuatorState
 from messaging.control import Target
 from messaging.shape import ShapeEstimate
+from messaging.snapshot import freeze
 
 Array = NDArray[np.float64]
 
@@ -87,6 +88,7 @@ def begin(
     )
     with _law_at_work():
         law_state = law.start(beginning)
+        freeze(law_state)  # what cannot be kept cannot be replayed; better now than in the middle of a motion
     return Task(
         reference=reference, points=points, law_state=law_state, **_compare(reference, points, measurement)
     )
@@ -116,7 +118,8 @@ def advance(
         measured=measured,
     )
     with _law_at_work():
-        law_state, wanted = law.step(task.law_state, inputs)
+        law_state, answer = law.step(task.law_state, inputs)
+        wanted = np.asarray(answer, dtype=np.float64)
     seen_anew = {} if measured is None else _compare(task.reference, task.points, measured)
     return dataclasses.replace(task, law_state=law_state, **seen_anew), wanted
 

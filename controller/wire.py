@@ -4,7 +4,7 @@ import logging
 import time
 
 from controller.account import Account
-from controller.cycle import Outputs, Request, Sighting
+from controller.cycle import LoopState, Outputs, Request, Sighting
 from messaging import topics
 from messaging.control import Action, ActionRequest, Reply, Target
 from messaging.errors import CodecError, InvalidMessageError
@@ -103,6 +103,11 @@ class Wire:
         self._asking.clear()
         return number
 
-    def say_memory(self, memory: Memory) -> None:
-        """Publish what this cycle leaves to the next."""
-        self._memory.put(memory)
+    def say_memory(self, state: LoopState, time_ns: int, publication: int) -> None:
+        """Publish what this cycle leaves to the next, as far as a law remembers what can be kept."""
+        try:
+            content = state.to_bytes()
+        except CodecError as error:
+            logger.warning("no replay can begin here: %s", error)
+            return
+        self._memory.put(Memory(time_ns=time_ns, content=content, publication=publication))

@@ -41,13 +41,17 @@ def make_homing_law(settings: ControllerSettings, plant: Plant) -> Law[Any]:
 
 
 def _made(module: ModuleType, settings: dict[str, Any], plant: Plant) -> Law[Any]:
+    name = module.__name__.rpartition(".")[2]
     try:
         tuning = msgspec.convert(settings, module.Tuning)
     except msgspec.ValidationError as error:
-        raise ControllerSetupError(
-            f"controller.tuning of law {module.__name__.rpartition('.')[2]}: {error}"
-        ) from error
-    law: Law[Any] = module.make(tuning, plant)
+        raise ControllerSetupError(f"controller.tuning of law {name}: {error}") from error
+    try:
+        law: Law[Any] = module.make(tuning, plant)
+    except Exception as error:  # it may be a stranger's file
+        raise ControllerSetupError(f"law {name} cannot be made: {type(error).__name__}: {error}") from error
+    if missing := [part for part in ("start", "step", "lead_s") if not hasattr(law, part)]:
+        raise ControllerSetupError(f"law {name} has no {' and no '.join(missing)}: see controller/law.py")
     return law
 
 

@@ -16,16 +16,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.allocation import Allocation, Body, Wish, tightening_mm_s
+from controller.allocation import PLAN_S, Allocation, Body, Wish, tightening_mm_s
 from controller.following import Following
 from controller.history import History
-from controller.law import Beginning, LawInputs, Measurement, Points
+from controller.law import Beginning, LawInputs, Measurement, Points, same_points
 from controller.plant import Plant
 
 Array = NDArray[np.float64]
 Positive = Annotated[float, msgspec.Meta(gt=0, le=100)]
 
-_PLAN_S = 0.04
 _UNFORESEEN = 9.0
 """Squared innovation over its variance beyond which a shape is a surprise."""
 
@@ -63,6 +62,8 @@ class Felt:
     """How nodal points move with the axes, as last corrected by the shape of `capture_s`."""
 
     capture_s: float
+    arc_mm: Array
+    """(k,)."""
     position_mm: Array
     """(A,) where the axes were."""
     node_mm: Array
@@ -99,15 +100,13 @@ class ModelFree:
         self._allocation = Allocation(
             plant, damping_mm=tuning.damping_mm, insertion_cost=tuning.insertion_cost
         )
-        tendon = np.arange(plant.kinematics.axes) < plant.kinematics.tendons
-        self._posture_per_s = np.where(tendon, -tuning.posture_per_s, 0.0)
+        self._posture_per_s = -tuning.posture_per_s * plant.kinematics.bending
         self.lead_s = tuning.servo_lag_s + tuning.robot_lag_s
 
     def start(self, beginning: Beginning[ModelFreeState]) -> ModelFreeState:
         """See `Law`. What was felt is kept while the same nodal points are seen; otherwise the axes are probed anew."""
         before, measured, command_mm = beginning.before, beginning.measured, beginning.command_mm
-        known = before is not None and len(before.felt.node_mm) == len(measured.node_mm)
-        if before is not None and known:
+        if before is not None and same_points(before.felt.arc_mm, measured.arc_mm):
             felt, history, following = before.felt, before.history, before.following
             probed_s = before.probed_s
         else:
@@ -135,27 +134,32 @@ class ModelFree:
             ),
         )
         if inputs.measured is not None:
-            then_mm = state.history.at(inputs.measured.capture_s)
-            state = dataclasses.replace(
-                state,
-                felt=self._corrected(state.felt, inputs.measured, then_mm),
-                led=inputs.measured.led,
-            )
-        movable = np.flatnonzero(state.points.movable)
-        probing_s = state.probed_s + inputs.dt_s
-        if state.probed_s < len(movable) * self._tuning.probing_s:
-            ahead, behind = self._probe(movable, probing_s), self._probe(movable, state.probed_s)
-            return dataclasses.replace(state, probed_s=probing_s), inputs.command_mm + ahead - behind
-        if inputs.measured is not None or inputs.now_s - state.planned_s > _PLAN_S:
+            state = self._seen(state, inputs.measured, inputs.command_mm)
+        axes = np.flatnonzero(state.points.movable)
+        if state.probed_s < len(axes) * self._tuning.probing_s:
+            probed_s = state.probed_s + inputs.dt_s
+            rate = (self._probe(axes, probed_s) - self._probe(axes, state.probed_s)) / inputs.dt_s
+            rate = self._rates(state, Wish.none(len(rate)), rate, inputs)
+            state = dataclasses.replace(state, probed_s=probed_s, rate_mm_s=rate)
+        elif inputs.measured is not None or inputs.now_s - state.planned_s > PLAN_S:
             rate = self._plan(state, inputs)
             state = dataclasses.replace(state, rate_mm_s=rate, planned_s=inputs.now_s)
         return state, inputs.command_mm + state.rate_mm_s * inputs.dt_s
+
+    def _seen(self, state: ModelFreeState, measured: Measurement, command_mm: Array) -> ModelFreeState:
+        """Corrected by a shape; nodal points that were not seen before are felt for anew."""
+        if not same_points(state.felt.arc_mm, measured.arc_mm):
+            felt = self._nothing(measured, command_mm)
+            return dataclasses.replace(state, felt=felt, led=measured.led, probed_s=0.0)
+        felt = self._corrected(state.felt, measured, state.history.at(measured.capture_s))
+        return dataclasses.replace(state, felt=felt, led=measured.led)
 
     def _nothing(self, measured: Measurement, command_mm: Array) -> Felt:
         tuning, axes = self._tuning, len(command_mm)
         sigma = np.append(tuning.measurement_noise_mm, np.full(axes, tuning.jacobian_sigma))
         return Felt(
             capture_s=measured.capture_s,
+            arc_mm=measured.arc_mm,
             position_mm=command_mm,
             node_mm=measured.node_mm,
             jacobian=np.zeros((*measured.node_mm.shape, axes)),
@@ -188,34 +192,43 @@ class ModelFree:
         kalman = covariance[0] / (covariance[0, 0] + noise)
         return Felt(
             capture_s=measured.capture_s,
+            arc_mm=before.arc_mm,
             position_mm=position_mm,
             node_mm=foreseen + innovation * kalman[0],
             jacobian=before.jacobian + innovation[..., None] * kalman[1:],
             covariance=covariance - np.outer(kalman, covariance[0]),
         )
 
+    def _ahead_mm(self, state: ModelFreeState, command_mm: Array) -> Array:
+        """(k, 3) where nodal points will be once the command is followed."""
+        felt = state.felt
+        ahead: Array = felt.node_mm + felt.jacobian @ (command_mm - state.following.sag_mm - felt.position_mm)
+        return ahead
+
     def _plan(self, state: ModelFreeState, inputs: LawInputs) -> Array:
-        """Rates (A,) of the command."""
-        felt, desired, plant = state.felt, inputs.desired, self._plant
-        told_mm = inputs.command_mm - state.following.sag_mm
-        ahead = felt.node_mm + felt.jacobian @ (told_mm - felt.position_mm)
-        wanted = desired.velocity_mm_s + self._tuning.feedback_per_s * (desired.node_mm - ahead[state.led])
-        speed = np.linalg.norm(wanted, axis=1, keepdims=True)
-        wanted *= np.minimum(1.0, plant.maximum_node_speed_mm_s / np.maximum(speed, 1e-9))
-        root = np.sqrt(state.points.weights / state.points.weights.max())[:, None]
+        """Rates (A,) of the command that lead the nodal points."""
+        wish = Wish.towards(
+            inputs.desired,
+            self._ahead_mm(state, inputs.command_mm)[state.led],
+            state.felt.jacobian[state.led],
+            state.points.weights,
+            feedback_per_s=self._tuning.feedback_per_s,
+            most_mm_s=self._plant.maximum_node_speed_mm_s,
+        )
         current_ma = None if inputs.drive is None else inputs.drive.current_ma
+        preferred = self._posture_per_s @ inputs.command_mm + tightening_mm_s(self._plant, current_ma)
+        return self._rates(state, wish, preferred, inputs)
+
+    def _rates(self, state: ModelFreeState, wish: Wish, preferred_mm_s: Array, inputs: LawInputs) -> Array:
         ones = np.ones(len(inputs.command_mm))
         return self._allocation.rates(
-            Wish(
-                rows=(felt.jacobian[state.led] * root[..., None]).reshape(-1, len(ones)),
-                rate_mm_s=(wanted * root).ravel(),
-            ),
-            self._posture_per_s * inputs.command_mm + tightening_mm_s(plant, current_ma),
+            wish,
+            preferred_mm_s,
             state.points.movable,
             command_mm=inputs.command_mm,
-            current_ma=current_ma,
+            current_ma=None if inputs.drive is None else inputs.drive.current_ma,
             stretch=(ones, ones),
-            body=Body(point_mm=ahead, jacobian=felt.jacobian),
+            body=Body(point_mm=self._ahead_mm(state, inputs.command_mm), jacobian=state.felt.jacobian),
         )
 
 

@@ -6,7 +6,7 @@ with where the axes had brought the robot when its frames were taken, by what th
 have followed the command of now, less by how much servos stay behind under load.
 
 Rates come from a quadratic programme within all limits (controller/allocation.py), pulled towards the straight posture in
-what freedom is left. They are found anew for each shape, and at the latest after `_PLAN_S`; in between they go on. Where an
+what freedom is left. They are found anew for each shape, and at the latest after `PLAN_S`; in between they go on. Where an
 axis turns round it moves further by its lost motion (controller/lost_motion.py).
 """
 
@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.allocation import Allocation, Body, Wish, tightening_mm_s
+from controller.allocation import PLAN_S, Allocation, Body, Wish, tightening_mm_s
 from controller.belief import Axes, Belief, BeliefSettings, Learning
 from controller.following import Following, nearer
 from controller.history import History
@@ -27,7 +27,8 @@ from controller.plant import Plant
 
 Array = NDArray[np.float64]
 
-_PLAN_S = 0.04
+_LED_ON_S = 0.1
+"""After a longer pause it is anybody's guess where axes stand in their lost motion."""
 
 
 class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -78,20 +79,23 @@ class ResolvedRate:
         self._allocation = Allocation(
             plant, damping_mm=tuning.damping_mm, insertion_cost=tuning.insertion_cost
         )
-        tendon = np.arange(plant.kinematics.axes) < plant.kinematics.tendons
-        self._posture_per_s = np.where(tendon, -tuning.posture_per_s, 0.0)
+        self._posture_per_s = -tuning.posture_per_s * plant.kinematics.bending
         self.lead_s = tuning.servo_lag_s + tuning.robot_lag_s
 
     def start(self, beginning: Beginning[ResolvedRateState]) -> ResolvedRateState:
         """See `Law`. What was learnt of the robot is kept, whichever points are led."""
         before, measured, command_mm = beginning.before, beginning.measured, beginning.command_mm
-        if before is None:
-            axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
-            history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
-            belief = self._learning.begin(measured, axes, beginning.lost_motion_mm)
-        else:
+        if before is not None and beginning.now_s - before.history.times_s[-1] < _LED_ON_S:
             axes, history, following = before.axes, before.history, before.following
             belief = self._learning.at_points(before.belief, measured, axes)
+        else:
+            axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
+            history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
+            belief = (
+                self._learning.begin(measured, axes, beginning.lost_motion_mm)
+                if before is None
+                else self._learning.seen_anew(before.belief, measured, axes)
+            )
         return ResolvedRateState(
             points=beginning.points,
             belief=belief,
@@ -116,7 +120,7 @@ class ResolvedRate:
         told = Axes(
             position_mm=told_mm, engaged=engaged_after(state.axes.engaged, moving, width_mm, engaging_mm)
         )
-        if inputs.measured is not None or inputs.now_s - state.planned_s > _PLAN_S:
+        if inputs.measured is not None or inputs.now_s - state.planned_s > PLAN_S:
             rate = self._plan(state, told, width_mm, inputs)
             state = dataclasses.replace(state, rate_mm_s=rate, planned_s=inputs.now_s)
         motion = motion_for(state.rate_mm_s * inputs.dt_s, told.engaged, width_mm, engaging_mm)
@@ -141,22 +145,22 @@ class ResolvedRate:
 
     def _plan(self, state: ResolvedRateState, told: Axes, width_mm: Array, inputs: LawInputs) -> Array:
         """Rates (A,), as they are to be felt."""
-        points, desired, plant = state.points, inputs.desired, self._plant
+        points, plant = state.points, self._plant
         led = len(points.arc_mm)
         arc_mm = np.append(points.arc_mm, plant.body_arc_mm) if len(plant.regions) else points.arc_mm
         felt_mm = self._learning.felt_mm(state.belief, told)
         known, jacobian = self._learning.nodes(state.belief, felt_mm, arc_mm)
-        wanted = desired.velocity_mm_s + self._tuning.feedback_per_s * (desired.node_mm - known[:led])
-        speed = np.linalg.norm(wanted, axis=1, keepdims=True)
-        wanted *= np.minimum(1.0, plant.maximum_node_speed_mm_s / np.maximum(speed, 1e-9))
-        root = np.sqrt(points.weights / points.weights.max())[:, None]
         current_ma = None if inputs.drive is None else inputs.drive.current_ma
         return self._allocation.rates(
-            Wish(
-                rows=(jacobian[:led] * root[..., None]).reshape(-1, jacobian.shape[-1]),
-                rate_mm_s=(wanted * root).ravel(),
+            Wish.towards(
+                inputs.desired,
+                known[:led],
+                jacobian[:led],
+                points.weights,
+                feedback_per_s=self._tuning.feedback_per_s,
+                most_mm_s=plant.maximum_node_speed_mm_s,
             ),
-            self._posture_per_s * inputs.command_mm + tightening_mm_s(plant, current_ma),
+            self._posture_per_s @ inputs.command_mm + tightening_mm_s(plant, current_ma),
             points.movable,
             command_mm=inputs.command_mm,
             current_ma=current_ma,

@@ -1,19 +1,24 @@
 """Laws by name and from a file; and what every law that comes with the controller must do on a bench."""
 
+import re
+
 import numpy as np
 import pytest
 
+from controller.belief import BeliefSettings, Learning
 from controller.errors import ControllerSetupError
 from controller.laws import law_names, make_law
 from controller.loop import Loop
 from controller.plant import Plant
 from controller.settings import ControllerSettings, HomingSettings
+from messaging.control import Action, ActionRequest
 from messaging.settings import RobotSettings
 from nodal import targets
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.settings import VirtualBenchSettings
 
 ROBOT = RobotSettings(section_length_mm=(40.0, 40.0))
+PLANT = Plant.of(ControllerSettings(), ROBOT)
 STANDING_STILL = """
 import msgspec
 
@@ -159,3 +164,63 @@ def test_what_a_law_has_learnt_outlives_a_hold_and_ends_with_a_homing():
     bench.do("hold")
     bench.do("home")
     assert bench.state.learnt is None
+
+
+BROKEN = {
+    "no numbers": ("(state, None)", "must be 5 finite numbers|float"),
+    "a list of words": ("(state, ['a'] * 5)", "could not convert"),
+    "too few": ("(state, [0.0, 0.0])", "must be 5 finite numbers"),
+    "nan": ("(state, [float('nan')] * 5)", "must be 5 finite numbers"),
+    "an error": ("1 / 0", "ZeroDivisionError"),
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN)
+def test_whatever_a_law_answers_it_ends_in_a_fault_and_not_in_the_process(tmp_path, fault):
+    answer, words = BROKEN[fault]
+    file = tmp_path / "broken_law.py"
+    file.write_text(STANDING_STILL.replace("return state, state", f"return {answer}"))
+    settings = ControllerSettings(law_file=str(file), homing=HomingSettings(find_slack=False))
+    bench = VirtualBench(VirtualBenchSettings(), settings, ROBOT)
+    bench.home()
+    bench.target(targets.points({"tip": [5.0, 0.0, 83.0]}, {}))
+    bench.do("arm")
+    samples, _ = bench.run(0.1)
+    assert samples.mode[-1] == "fault"
+    assert re.search(words, samples.reason[-1])
+    assert not samples.torque[-1]
+
+
+def test_a_law_whose_memory_cannot_be_kept_is_a_fault_when_it_begins(tmp_path):
+    file = tmp_path / "forgetful.py"
+    file.write_text(STANDING_STILL.replace("return beginning.command_mm", "return {1, 2}"))
+    settings = ControllerSettings(law_file=str(file), homing=HomingSettings(find_slack=False))
+    bench = VirtualBench(VirtualBenchSettings(), settings, ROBOT)
+    bench.home()
+    bench.target(targets.points({"tip": [5.0, 0.0, 83.0]}, {}))
+    bench.do("arm")
+    samples, _ = bench.run(0.1)
+    assert samples.mode[-1] == "fault"
+    assert "a snapshot cannot keep a set" in samples.reason[-1]
+
+
+def test_after_a_jog_in_a_hold_the_law_begins_where_the_robot_is_seen():
+    """Where axes stand in their lost motion is forgotten in a hold; what was learnt of the robot is not."""
+    bench = VirtualBench(VirtualBenchSettings(), ControllerSettings(), ROBOT)
+    bench.home()
+    bench.target(targets.points({"tip": [5.0, 0.0, 83.0]}, {}))
+    bench.do("arm")
+    bench.run(2.0)
+    learnt = bench.state.task.law_state.belief.mean[:20]
+    bench.do("hold")
+    _, (jogged,) = bench.run(3.0, ActionRequest(action=Action.JOG, axis="1", distance_mm=2.0))
+    assert jogged.accepted
+    bench.do("arm")
+    state, learning = bench.state.task.law_state, Learning(BeliefSettings(), PLANT.kinematics)
+    believed, _ = learning.nodes(
+        state.belief, learning.felt_mm(state.belief, state.axes), state.belief.arc_mm
+    )
+    np.testing.assert_allclose(believed, bench.state.seen.shape.node_mm, atol=0.3)
+    np.testing.assert_allclose(state.belief.mean[:20], learnt, atol=0.05)
+    samples, _ = bench.run(3.0)
+    assert samples.error_mm("tip")[-1] < 0.2
