@@ -76,7 +76,17 @@ def _tendons(settings: "BenchSettings") -> Iterator[str]:
                 f"servo {axis.name} bounds itself at max_current_ma {axis.max_current_ma:g}, so controller.limits.current_ma "
                 f"{current_ma:g} would never be exceeded; it must be lower"
             )
+    yield from _stage(settings)
+
+
+def _stage(settings: "BenchSettings") -> Iterator[str]:
     travel, stage = settings.controller.limits.insertion_mm, settings.servos.stage
+    if stage is not None and stage.zero_ticks is None:
+        yield (
+            "servos.stage.zero_ticks is missing: without it the stage's travel would begin wherever it stands when its servo is "
+            "found, again after every lost cable; bring the stage to its zero and take the position that "
+            f"`nodal servos list --port {settings.servos.port}` shows for servo {stage.id}"
+        )
     if settings.robot.stage != (stage is not None):
         yield f"robot.stage is {str(settings.robot.stage).lower()}; servos.stage is {'missing' if stage is None else 'given'}"
     elif stage is not None and (travel[0] < stage.min_mm or travel[1] > stage.max_mm):

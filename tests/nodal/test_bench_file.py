@@ -143,6 +143,10 @@ def test_a_missing_key_is_named(tmp_path, table, key):
             lambda table: table["servos"]["stage"].update(max_current_ma=800),
             "servo stage bounds itself at max_current_ma 800, so controller.limits.current_ma 800 would never be exceeded",
         ),
+        (
+            lambda table: table["servos"]["stage"].pop("zero_ticks"),
+            "servos.stage.zero_ticks is missing: without it the stage's travel would begin wherever it stands",
+        ),
         (lambda table: table["servos"].pop("stage"), "robot.stage is true; servos.stage is missing"),
         (
             lambda table: table["robot"].update(stage=False),
