@@ -52,14 +52,12 @@ def set_up(buses: Buses, order: Order) -> Iterator[str]:
     """
     places = _places(buses, order)
     for axis, servo in places:
-        if servo.identity is not None:  # refused above
-            model = known_model("", axis, servo.identity)
-            with buses(servo.baud_rate) as bus:
-                yield from _write(bus, servo, Axis(axis, model, 0.0), order)
-            yield from _move(buses, servo, axis, order)
+        with buses(servo.baud_rate) as bus:
+            yield from _write(bus, servo, axis, order)
+        yield from _move(buses, servo, axis.settings, order)
 
 
-def _places(buses: Buses, order: Order) -> list[tuple[AxisSettings, FoundServo]]:
+def _places(buses: Buses, order: Order) -> list[tuple[Axis, FoundServo]]:
     """Each axis with its servo, when all may be written."""
     now = {axis.name: axis.id if order.from_id is None else order.from_id for axis in order.axes}
     rates = tuple(dict.fromkeys((order.settings.baud_rate, *table.BAUD_RATES)))
@@ -72,14 +70,17 @@ def _places(buses: Buses, order: Order) -> list[tuple[AxisSettings, FoundServo]]
             raise BusError(
                 f"servo {now[axis.name]} ({axis.name}) does not answer at any baud rate; is it plugged in and powered?"
             )
-        _refuse(axis, servos, [servo for servo in found if servo.id == axis.id], order)
-        places.append((axis, servos[0]))
+        takers = [servo for servo in found if servo.id == axis.id]
+        places.append((Axis(axis, _writable_model(axis, servos, takers, order), 0.0), servos[0]))
     return places
 
 
-def _refuse(axis: AxisSettings, servos: list[FoundServo], takers: list[FoundServo], order: Order) -> None:
+def _writable_model(
+    axis: AxisSettings, servos: list[FoundServo], takers: list[FoundServo], order: Order
+) -> Model:
+    """The model of the axis' servo, when it may be written."""
     servo, name = servos[0], f"servo {servos[0].id} ({axis.name})"
-    if not servo.alone:
+    if servo.identity is None:
         raise SetupRefusedError(f"{name}: {SHARED}")
     if len(servos) > 1:
         rates = " and ".join(str(one.baud_rate) for one in servos)
@@ -92,6 +93,7 @@ def _refuse(axis: AxisSettings, servos: list[FoundServo], takers: list[FoundServ
         raise SetupRefusedError(
             f"{name}: torque is on, and EEPROM is locked; --relax allows to turn it off, which lets the tendon or the stage go"
         )
+    return known_model(order.settings.port, axis, servo.identity)
 
 
 def _write(bus: DynamixelBus, servo: FoundServo, axis: Axis, order: Order) -> Iterator[str]:

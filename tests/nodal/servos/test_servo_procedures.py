@@ -240,6 +240,13 @@ class TestSetUp:
         with pytest.raises(WrongModelError, match="model number 1060"):
             bench.set_up(ONE)
 
+    def test_nothing_is_written_when_the_last_one_cannot_be_used(self, bench):
+        bench.memory(13)["model_number"] = 1060
+        before = bench.writes()
+        with pytest.raises(WrongModelError, match=r"virtual: servo 13 \(stage\) has model number 1060"):
+            bench.set_up()
+        assert bench.writes() == before
+
 
 class TestCheck:
     """Each difference is one finding with what to do."""
