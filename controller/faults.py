@@ -14,8 +14,9 @@ class DriveLostError(FaultError):
 
     code = "drive_lost"
     advice = (
-        "Check the servos' power and their cable; `nodal servos list` says which of them answer. The drive is sought again "
-        "every second; when `nodal do status` no longer complains, `nodal do home`."
+        "Check the servos' power and their cable. The drive is sought again every second; when `nodal do status` no longer "
+        "complains, `nodal do home`. `nodal servos list` says which servos answer, once `nodal control` has ended: a serial port "
+        "has one user at a time."
     )
 
 
@@ -45,7 +46,7 @@ class ServoAlarmError(FaultError):
     code = "servo_alarm"
     advice = (
         "Find the cause (overload: something jams or pulls too hard; overheating: let it cool; input voltage: check the supply), "
-        "then `nodal servos reboot` and `nodal do home`."
+        "then end `nodal control`, which holds the serial port, `nodal servos reboot`, start it again and `nodal do home`."
     )
 
 

@@ -36,7 +36,8 @@ class DynamixelBus:
 
     Every method raises PortLostError when the line is not open or goes away; those that wait for answers raise
     NoAnswerError or CorruptAnswerError after `retries` repetitions, and StatusError when a servo refuses. The longest
-    they take is (3 + retries) answer timeouts and the time on the wire.
+    they take is the time on the wire and (1 + retries) answer timeouts, or (3 + retries) when the question is another than
+    the one before, whose late answers must not be taken for its own.
     `alerts` holds the servos whose newest answer had the alert bit: their hardware reports an error.
     """
 
