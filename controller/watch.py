@@ -34,7 +34,7 @@ from messaging.shape import ShapeEstimate
 
 Array = NDArray[np.float64]
 
-_TRAVEL_TOLERANCE_MM = 0.5
+TRAVEL_TOLERANCE_MM = 0.5
 """How far a servo may stand beyond its travel, by settling and by being pushed, before that is a fault."""
 _NEARING_MM_S = 0.5
 """A servo that comes nearer to where it was sent so fast is slow, but follows."""
@@ -104,7 +104,8 @@ class Watch:
         behind_mm = np.abs(missing_mm)
         nearing = np.sign(missing_mm) * drive.velocity_mm_s > _NEARING_MM_S
         astray = (behind_mm > limits.following_mm) & ~nearing
-        unpowered = (drive.voltage_v < low_v) | (drive.voltage_v > high_v)
+        measured = drive.voltage_v != 0.0
+        unpowered = measured & ((drive.voltage_v < low_v) | (drive.voltage_v > high_v))
         trouble = dataclasses.replace(
             trouble,
             current_since_s=_since(
@@ -128,7 +129,7 @@ class Watch:
             yield ServoAlarmError(f"hardware error bits: {bits}{words}")
         if not drive.torque:
             yield TorqueLostError("a servo let its tendon go by itself")
-        if beyond := plant.beyond_travel(drive.position_mm, _TRAVEL_TOLERANCE_MM):
+        if beyond := plant.beyond_travel(drive.position_mm, TRAVEL_TOLERANCE_MM):
             axis = int(
                 np.maximum(drive.position_mm - plant.high_mm, plant.low_mm - drive.position_mm).argmax()
             )

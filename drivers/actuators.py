@@ -45,7 +45,8 @@ class ActuatorState:
     """One reading of the drive. D tendons or pairs; arrays over servos hold them in order, then the stage if there is one.
 
     Positive displacement pulls the pair's first tendon in; positive insertion moves the robot forward; a positive current
-    drives that way. `hardware_error` holds each servo's own error bits, 0 when it is well.
+    drives that way. `hardware_error` holds each servo's own error bits, 0 when it is well. What a drive cannot measure of
+    currents, temperatures and voltages is 0, and no limit on it is watched.
     """
 
     displacement_mm: NDArray[np.float64]

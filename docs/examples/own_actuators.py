@@ -2,7 +2,8 @@
 
 A whole drive for `drivers.actuators.Actuators`, for tendons without a stage. The motion controller is made up, its lines are:
 `position` answers four numbers in mm, `go A B C D` moves, `hold WATCHDOG_MS` powers the motors and stops them when no line
-comes for so long, `free` lets them go, `alarms` answers a number of bits for each motor. Every answer begins with `ok`.
+comes for so long, `free` lets them go, `motors` answers 0 when they are free, 1 when they hold and 2 when they were stopped,
+`alarms` a number of bits for each motor. Every answer begins with `ok`.
 """
 
 from collections.abc import Callable
@@ -12,10 +13,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.actuators import ActuatorError, ActuatorState, CommandRefusedError
+from drivers.actuators import ActuatorError, ActuatorState, CommandRefusedError, WatchdogExpiredError
 
 Ask = Callable[[str], str]
 """Sends a line and returns the answer; raises OSError, and so TimeoutError, within a bounded time. The edge to the device."""
+_HOLDING, _STOPPED = 1, 2
 
 
 class StepperActuators:
@@ -29,7 +31,6 @@ class StepperActuators:
         self._device: tuple[Ask, Callable[[], None]] | None = None
         self._zero_mm = np.zeros(self.pairs)
         self._before_mm = np.zeros(self.pairs)
-        self._torque = False
 
     def open(self) -> None:
         """Reach the device and relax it: nothing is ever found pulling."""
@@ -64,7 +65,10 @@ class StepperActuators:
         self.close()
 
     def read(self) -> ActuatorState:
-        """Where the motors are. What a device does not measure is 0, and then no limit on it can be watched."""
+        """Where the motors are. What a device does not measure is 0, and no limit on it is watched then."""
+        (motors,) = self._ask("motors", 1)
+        if motors == _STOPPED:
+            raise WatchdogExpiredError(f"the motors heard nothing for {self.watchdog_ms} ms and were stopped")
         position_mm = self._position_mm() - self._zero_mm
         moved_mm, self._before_mm = position_mm - self._before_mm, position_mm
         return ActuatorState(
@@ -75,8 +79,8 @@ class StepperActuators:
             current_ma=np.zeros(self.pairs),
             temperature_c=np.zeros(self.pairs),
             voltage_v=np.zeros(self.pairs),
-            hardware_error=tuple(int(bits) for bits in self._ask("alarms")),
-            torque=self._torque,
+            hardware_error=tuple(int(bits) for bits in self._ask("alarms", self.pairs)),
+            torque=motors == _HOLDING,
         )
 
     def write(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> None:
@@ -97,15 +101,13 @@ class StepperActuators:
         """Go to where it is already, then power: enabling never moves anything."""
         self._ask("go " + " ".join(f"{place:.4f}" for place in self._position_mm()))
         self._ask(f"hold {self.watchdog_ms}")
-        self._torque = True
 
     def disable(self) -> None:
-        """Let go."""
+        """Let go, also of motors that were stopped."""
         self._ask("free")
-        self._torque = False
 
     def _position_mm(self) -> NDArray[np.float64]:
-        return np.array([float(word) for word in self._ask("position")])
+        return np.array(self._ask("position", self.pairs))
 
     def _checked(self, displacement_mm: NDArray[np.float64], insertion_mm: float) -> NDArray[np.float64]:
         goals_mm = np.asarray(displacement_mm, float)
@@ -116,16 +118,17 @@ class StepperActuators:
             )
         return goals_mm
 
-    def _ask(self, line: str) -> list[str]:
-        """The words of the answer; asks again a bounded number of times, and never takes rubbish for an answer."""
+    def _ask(self, line: str, count: int = 0) -> list[float]:
+        """The numbers of the answer, so many; asks again a bounded number of times, and never takes rubbish for an answer."""
         if self._device is None:
             raise ActuatorError("the motion controller has not been opened")
         ask, trouble = self._device[0], "nothing was asked"
         for _ in range(self.attempts):
             try:
                 ok, *words = ask(line).split() or [""]
-                if ok == "ok" and all(np.isfinite(float(word)) for word in words):
-                    return words
+                numbers = [float(word) for word in words]
+                if ok == "ok" and len(numbers) == count and np.isfinite(numbers).all():
+                    return numbers
                 trouble = f"it answered {ok!r} {' '.join(words)}"
             except (OSError, ValueError) as error:
                 trouble = str(error)

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from controller import Action, ActionRequest, ControllerSettings, Inputs, Loop, RobotSettings, sighting_of
 from controller.drive import Drive
-from drivers.actuators import ActuatorError, Actuators, CommandRefusedError
+from drivers.actuators import ActuatorError, Actuators, CommandRefusedError, WatchdogExpiredError
 
+PERIOD_S = 0.005
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "own_actuators.py"
 
@@ -18,14 +20,18 @@ class Device:
 
     def __init__(self):
         self.place_mm, self.goal_mm = np.array([10.0, -3.0, 0.0, 2.5]), np.full(4, 99.0)
-        self.holding, self.taken, self.moved = True, False, 0
-        self.answers = []
+        self.holding, self.stopped, self.taken, self.moved = True, False, False, 0
+        self.alarms, self.answers = [0, 0, 0, 0], []
 
     def connect(self):
         if self.taken:
             raise PermissionError("in use")
         self.taken = True
         return self.ask, self.let_go
+
+    def expire(self):
+        """Its watchdog stops the motors."""
+        self.holding, self.stopped = False, True
 
     def let_go(self):
         self.taken = False
@@ -38,12 +44,14 @@ class Device:
             return answer
         word, *rest = line.split()
         self.holding = word == "hold" or (self.holding and word != "free")
+        self.stopped = self.stopped and word != "free"
         if word == "go":
             self.goal_mm = np.array([float(goal) for goal in rest])
         if self.holding:
             self.moved += bool(abs(self.place_mm - self.goal_mm).max() > 1e-3)
             self.place_mm = self.goal_mm
-        numbers = {"position": self.place_mm.tolist(), "alarms": [0, 0, 4, 0]}
+        motors = 2 if self.stopped else int(self.holding)
+        numbers = {"position": self.place_mm.tolist(), "alarms": self.alarms, "motors": [motors]}
         return " ".join(["ok", *map(str, numbers.get(word, []))])
 
 
@@ -62,6 +70,7 @@ def actuators(device):
 
 
 def test_opening_relaxes_and_counts_from_where_it_is(device, actuators):
+    device.alarms = [0, 0, 4, 0]
     with actuators:
         assert not device.holding
         state = actuators.read()
@@ -92,14 +101,25 @@ def test_what_must_not_be_is_refused_before_it_is_sent(device, actuators, goal_m
         assert device.goal_mm is before
 
 
-@pytest.mark.parametrize("trouble", [TimeoutError("too late"), "", "ok nan", "ok 1 x", "error 7"])
+@pytest.mark.parametrize("trouble", [TimeoutError("too late"), "", "ok nan", "ok 1 x", "ok 1", "error 7"])
 def test_one_bad_answer_is_made_up_for_and_two_are_an_error(device, actuators, trouble):
     with actuators:
         device.answers = [trouble]
-        actuators.read()
+        actuators.set_zero(np.zeros(4), 0.0)
         device.answers = [trouble] * 2
         with pytest.raises(ActuatorError, match="no answer to 'position' after 2 attempts"):
+            actuators.set_zero(np.zeros(4), 0.0)
+
+
+def test_a_watchdog_that_has_expired_is_told_until_the_motors_are_let_go(device, actuators):
+    with actuators:
+        actuators.enable()
+        assert actuators.read().torque
+        device.expire()
+        with pytest.raises(WatchdogExpiredError, match="heard nothing for 200 ms"):
             actuators.read()
+        actuators.disable()
+        assert not actuators.read().torque
 
 
 def test_the_device_is_let_go_even_when_it_does_not_answer(device, actuators):
@@ -119,3 +139,41 @@ def test_the_controllers_edge_loses_it_and_finds_it_again(device, actuators):
     assert drive.read(3.0) is not None
     drive.close()
     assert not device.taken
+
+
+def test_the_loop_runs_with_default_settings_on_what_measures_no_voltage(device, actuators):
+    """Homing and standing ready for 2 s, until the device's watchdog expires."""
+    settings, robot = ControllerSettings(), RobotSettings(section_length_mm=(40.0, 40.0), stage=False)
+    loop, drive, model = Loop(settings, robot), Drive(actuators), settings.kinematics(robot)
+    state, start_mm, arc_mm = loop.start(), device.place_mm, np.array([40.0, 80.0])
+
+    def cycle(number, *requests):
+        nonlocal state
+        inputs = Inputs(
+            now_s=number * PERIOD_S,
+            dt_s=PERIOD_S,
+            sighting=sighting_of(
+                ("middle", "tip"),
+                arc_mm,
+                model.nodes_mm(device.place_mm - start_mm, arc_mm),
+                age_s=0.002,
+                standard_deviation_mm=0.03,
+            ),
+            drive=drive.read(number * PERIOD_S),
+            absence=drive.absence,
+            absence_fault=drive.absence_fault,
+            requests=requests,
+        )
+        state, outputs = loop.step(state, inputs)
+        drive.act(outputs, number * PERIOD_S)
+
+    cycle(0)
+    cycle(1, ActionRequest(action=Action.HOME))
+    for number in range(2, 402):
+        cycle(number)
+        assert state.mode in ("homing", "ready"), state.supervision
+    assert device.moved > 100
+    device.expire()
+    cycle(402)
+    assert state.supervision.fault.code == "watchdog_expired"
+    assert not device.holding
