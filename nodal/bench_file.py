@@ -35,7 +35,7 @@ PATHS_TO_MAKE: tuple[tuple[str, ...], ...] = (
 comes with nodal goes below `runs/` where the command was started, not into the installed package."""
 
 SHIPPED = Path(str(files("nodal").joinpath("benches")))
-BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT = "bench.toml", "calibration.json"
+BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT, LAW_ATTACHMENT = "bench.toml", "calibration.json", "law.py"
 
 Name = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
@@ -74,11 +74,15 @@ class Bench:
         return written(msgspec.to_builtins(self.settings))
 
     def attachments(self) -> dict[str, bytes]:
-        """What belongs into every recording, so that it can be replayed: effective bench file, calibration, backgrounds."""
+        """What belongs into every recording, so that it can be replayed: effective bench file, calibration, backgrounds, and
+        the text of a law that is a file of its own.
+        """
+        law_file = Path(self.settings.controller.law_file)
         return {
             BENCH_ATTACHMENT: self.text().encode(),
             CALIBRATION_ATTACHMENT: self.calibration,
             **{_background_attachment(name): picture for name, picture in self.backgrounds.items()},
+            **({LAW_ATTACHMENT: law_file.read_bytes()} if law_file.is_file() else {}),
         }
 
 

@@ -29,6 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the replay as a recording; with several logs, a folder for them",
     )
     parser.add_argument(
+        "--law",
+        type=Path,
+        metavar="FILE",
+        help="run this file as the recordings' own law: what a recording names or holds is never run by itself",
+    )
+    parser.add_argument(
         "--jobs", type=int, metavar="N", help="processes to compute with (default: one for each core)"
     )
     parser.add_argument(
@@ -53,6 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
         logs=arguments.logs,
         changes=arguments.changes,
         out=arguments.out,
+        law=arguments.law,
         jobs=arguments.jobs,
         cluster=arguments.dask,
         as_json=arguments.json,

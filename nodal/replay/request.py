@@ -29,6 +29,7 @@ class Request:
     logs: Sequence[Path]
     changes: Sequence[str]
     out: Path | None
+    law: Path | None
     jobs: int | None
     cluster: str | None
     as_json: bool
@@ -89,11 +90,12 @@ def _value(text: str) -> object:
 
 def _verdicts(request: Request, changes: Table, executor: Executor) -> Iterator[Verdict]:
     if request.out is None:
-        yield from verified(request.logs, executor)
+        yield from verified(request.logs, executor, request.law)
         return
     outs = _outs(request.logs, request.out)
     futures = [
-        executor.submit(write_what_if, log, changes, out) for log, out in zip(request.logs, outs, strict=True)
+        executor.submit(write_what_if, log, changes, out, request.law)
+        for log, out in zip(request.logs, outs, strict=True)
     ]
     for log, future in zip(request.logs, futures, strict=True):
         try:

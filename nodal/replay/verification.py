@@ -10,11 +10,12 @@ from pathlib import Path
 import msgspec
 
 from messaging.errors import NodalError
-from nodal.bench_file import Bench, recorded_bench
+from nodal.bench_file import Bench
 from nodal.errors import ReplayError
 from nodal.replay import controlling, sensing
 from nodal.replay.comparison import Comparison
 from nodal.replay.cycles import ControlPart
+from nodal.replay.recorded import bench_of
 from nodal.replay.script import control_stretches, sensing_stretches, whole
 from nodal.replay.sensing import SensingPart
 from recordings.log import Log
@@ -60,15 +61,17 @@ def verify_stretch(part: SensingPart | ControlPart, bench: Bench) -> Comparison:
         raise ReplayError(str(error)) from None
 
 
-def verified(paths: Iterable[Path], executor: Executor, logs_ahead: int = LOGS_AHEAD) -> Iterator[Verdict]:
+def verified(
+    paths: Iterable[Path], executor: Executor, law: Path | None = None, logs_ahead: int = LOGS_AHEAD
+) -> Iterator[Verdict]:
     """The verdict on each log, in their order; a log that cannot be replayed has an error and ends nothing.
 
-    So many logs are read before the outcome of the first is waited for.
+    `law` is run where a log was led by a law of its own. So many logs are read before the outcome of the first is waited for.
     """
     under_way: deque[_UnderWay] = deque()
     for path in paths:
         try:
-            under_way.append(_begun(path, executor))
+            under_way.append(_begun(path, executor, law))
         except NodalError as error:
             while under_way:
                 yield _ended(under_way.popleft())
@@ -79,10 +82,10 @@ def verified(paths: Iterable[Path], executor: Executor, logs_ahead: int = LOGS_A
         yield _ended(under_way.popleft())
 
 
-def _begun(path: Path, executor: Executor) -> _UnderWay:
+def _begun(path: Path, executor: Executor, law: Path | None) -> _UnderWay:
     started_s = time.monotonic()
     log = Log(path)
-    bench = recorded_bench(path, log.attachments, {})
+    bench = bench_of(log, {}, law)
     sensed, controlled = whole(log)
     if not sensed.sets and not controlled.states:
         raise ReplayError(

@@ -17,13 +17,14 @@ from messaging.message import Message
 from messaging.shape import ShapeEstimate
 from messaging.topics import Topic
 from messaging.views import CentrelineView, DesiredPointsView, NodalPointsView, TargetPathView
-from nodal.bench_file import Bench, recorded_bench
+from nodal.bench_file import Bench
 from nodal.errors import ReplayError
 from nodal.replay import controlling, sensing
 from nodal.replay.comparison import Comparison, compared
 from nodal.replay.controlling import Cycle
 from nodal.replay.cycles import REQUESTS, ControlPart
 from nodal.replay.frame_sets import FrameSetRecord, never_estimated
+from nodal.replay.recorded import bench_of
 from nodal.replay.script import whole
 from nodal.replay.typed import read
 from nodal.replay.verification import Verdict
@@ -54,21 +55,21 @@ NOTE = "REPLAY"
 """Name of the metadata that says what a recording is a replay of."""
 
 
-def write_what_if(path: Path, changes: Table, out: Path) -> Verdict:
+def write_what_if(path: Path, changes: Table, out: Path, law: Path | None) -> Verdict:
     """Replay the log at `path` with other settings into `out`; the verdict says how that differs from what was logged.
 
     Raises ReplayError, whatever else went wrong, since others would not find their way back from a worker.
     """
     try:
-        return _written(path, changes, out)
+        return _written(path, changes, out, law)
     except NodalError as error:
         raise ReplayError(str(error)) from None
 
 
-def _written(path: Path, changes: Table, out: Path) -> Verdict:
+def _written(path: Path, changes: Table, out: Path, law: Path | None) -> Verdict:
     started_s = time.monotonic()
     log = Log(path)
-    bench = recorded_bench(path, log.attachments, changes)
+    bench = bench_of(log, changes, law)
     sensed, controlled = whole(log)
     if not sensed.sets:
         sensed = replace(sensed, sets=never_estimated(log, tuple(bench.settings.cameras)))

@@ -20,7 +20,23 @@ from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
 
 RUN = Path(__file__).parents[1] / "data" / "run.mcap"
-BEGIN_S, END_S = 4.2, 7.6
+STANDS_STILL = """
+import msgspec
+
+class Tuning(msgspec.Struct):
+    pass
+
+class StandsStill:
+    lead_s = 0.0
+    def start(self, beginning):
+        return beginning.command_mm
+    def step(self, state, inputs):
+        return state, state
+
+def make(tuning, plant):
+    return StandsStill()
+"""
+BEGIN_S, END_S = 7.4, 10.3
 
 
 def rewritten(source, out, change):
@@ -247,6 +263,19 @@ class TestWhatIf:
         assert len(both) > 0.5 * len(after)
         assert max(off) < 2.0
         assert verdict_on(out).same
+
+    def test_a_law_in_a_file_is_run_only_when_the_user_says_so(self, short, tmp_path, capsys):
+        law, out = tmp_path / "stands_still.py", tmp_path / "what-if.mcap"
+        law.write_text(STANDS_STILL)
+        assert replay(RUN, "--set", f"controller.law_file={law}", "-o", out) == 0
+        assert Log(out).attachments["law.py"].decode() == STANDS_STILL
+        law.rename(tmp_path / "mine.py")
+        capsys.readouterr()
+        assert replay(out) == 2
+        told = capsys.readouterr().err
+        assert "led by a law of its own" in told
+        assert "--law FILE" in told
+        assert replay(out, "--law", tmp_path / "mine.py") == 0
 
     def test_another_gain_gives_other_commands(self, tmp_path):
         out = tmp_path / "what-if.mcap"

@@ -15,7 +15,7 @@ ONLY_LIVE = {
     "--until": "until_moment",
     "--feed-controller": "feed_controller",
 }
-NEVER_LIVE = {"--set": "changes", "-o": "out", "--jobs": "jobs", "--dask": "dask"}
+NEVER_LIVE = {"--set": "changes", "-o": "out", "--law": "law", "--jobs": "jobs", "--dask": "dask"}
 
 
 def add_live_arguments(parser: argparse.ArgumentParser) -> None:
