@@ -130,6 +130,10 @@ class LoopState:
             raise CodecError(f"a snapshot holds a {type(state).__name__}, not the controller's memory")
         return state
 
+    def aimed(self, target: Target | None) -> Self:
+        """With this target, or with none, of which nothing was done yet."""
+        return dataclasses.replace(self, target=target, joined_s=0.0, progress=0.0)
+
     @property
     def mode(self) -> Mode:
         """What the controller is doing."""

@@ -11,13 +11,13 @@ from controller import task as tasks
 from controller.cycle import Asked, Inputs, LoopState, Outputs
 from controller.errors import FaultError
 from controller.motion import Motion, Moved
-from controller.orders import Orders, is_order, replies
+from controller.orders import Orders, is_order, replies, void
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 from controller.supervisor import Event, Happening, Mode, Supervision, next_state
 from controller.task import Seen
 from controller.watch import Trouble, Watch, distrust
-from messaging.control import Target
+from messaging.control import Action, Target
 from messaging.settings import RobotSettings
 
 
@@ -57,20 +57,21 @@ class Loop:
         before = state
         state, fresh = self._look(state, inputs)
         judged = self._judge(state, fresh, inputs)
-        moved = self._move(judged, before.mode, fresh, inputs)
+        judged, moved = self._move(judged, before.mode, fresh, inputs)
         state = dataclasses.replace(moved.state, stepped_s=inputs.now_s)
         engage = state.mode.torque and not before.mode.torque
         homed = state.mode is Mode.READY and before.mode is Mode.HOMING
         reason = self._reason(state, inputs)
         powered = before.mode.torque or (inputs.drive is not None and inputs.drive.torque)
+        named = inputs.drive if homed or engage or moved.renamed else None
         return state, Outputs(
             tendons=self._plant.kinematics.tendons,
             release=powered and not state.mode.torque,
             engage=engage,
-            zero_mm=state.command_mm if homed or engage or moved.renamed else None,
+            zero_mm=None if named is None else self._motion.named_zero(named.insertion_mm),
             command_mm=state.command_mm if state.mode.torque else None,
             replies=replies(inputs.requests, judged.refusals, state.supervision, reason),
-            accepted=next((asked for asked in reversed(judged.asked) if isinstance(asked, Target)), None),
+            accepted=state.target if any(asked is state.target for asked in judged.asked) else None,
             reason=moved.cut_short or reason,
         )
 
@@ -94,20 +95,20 @@ class Loop:
         return dataclasses.replace(state, seen=seen, distrusted="none has come since"), seen
 
     def _judge(self, state: LoopState, fresh: Seen | None, inputs: Inputs) -> _Judged:
-        """Faults first, then what was noticed, then what was asked."""
+        """Faults first, then what was asked, then what was noticed: so an order finds the mode that its operator saw."""
         trouble: Trouble = self._untroubled
         faults: list[FaultError] = []
         if state.mode.torque:
             trouble, faults = self._faults(state, fresh, inputs)
-        refusals = [self._orders.refusal(request, state, inputs) for request in inputs.requests]
+        refusals = self._orders.refusals(state, inputs, faults)
         noticed = self._noticed(state, inputs.now_s)
-        asked = [
+        orders = [
             Happening(event=Event(request.action.value), reason=f"the operator asked to {request.action}")
             for request, refusal in zip(inputs.requests, refusals, strict=True)
             if is_order(request) and not refusal
         ]
-        supervision, allowed = next_state(state.supervision, [*noticed, *asked], faults, inputs.now_s)
-        outcome = iter(allowed[len(noticed) :])
+        supervision, allowed = next_state(state.supervision, [*orders, *noticed], faults, inputs.now_s)
+        outcome = iter(allowed)
         for index, request in enumerate(inputs.requests):
             if is_order(request) and not refusals[index] and not next(outcome):
                 refusals[index] = f"{request.action} is not possible in {state.mode}: {supervision.reason}"
@@ -116,10 +117,12 @@ class Loop:
             for request, refusal in zip(inputs.requests, refusals, strict=True)
             if not refusal and (is_order(request) or isinstance(request, Target))
         ]
+        # nobody watches any more: that is as good as an order to hold
+        lost = [Action.HOLD for happening in noticed if happening.event is Event.OPERATOR_LOST]
         return _Judged(
             state=dataclasses.replace(state, supervision=supervision, trouble=trouble),
             refusals=refusals,
-            asked=tuple(self._orders.asked(request, state, inputs) for request in accepted),
+            asked=(*(self._orders.asked(request, state, inputs) for request in accepted), *lost),
         )
 
     def _faults(
@@ -157,20 +160,28 @@ class Loop:
         if state.mode is Mode.RELAXING and not state.command_mm[: self._plant.kinematics.tendons].any():
             noticed.append(Happening(event=Event.RELAXED, reason="relaxed"))
         heartbeat_s = self._settings.operator.heartbeat_s
-        if state.mode in (Mode.TRACKING, Mode.WAITING) and 0 < heartbeat_s < now_s - state.heartbeat_s:
+        watched = state.mode in (Mode.HOMING, Mode.TRACKING, Mode.WAITING) or state.jog is not None
+        if watched and 0 < heartbeat_s < now_s - state.heartbeat_s:
             reason = f"no operator's heartbeat for more than {heartbeat_s:g} s"
             noticed.append(Happening(event=Event.OPERATOR_LOST, reason=reason))
         return noticed
 
-    def _move(self, judged: _Judged, before: Mode, fresh: Seen | None, inputs: Inputs) -> Moved:
-        """As the mode demands; what fails on the way ends in a fault in this cycle."""
+    def _move(
+        self, judged: _Judged, before: Mode, fresh: Seen | None, inputs: Inputs
+    ) -> tuple[_Judged, Moved]:
+        """As the mode demands; what fails on the way ends in a fault in this cycle, with what was asked in it void."""
         state = judged.state
         try:
             state = self._motion.prepare(state, before, inputs, judged.asked)
-            return self._motion.move(state, before, fresh, inputs)
+            return judged, self._motion.move(state, before, fresh, inputs)
         except FaultError as error:
             state = dataclasses.replace(state, supervision=Supervision.failed(error, inputs.now_s))
-            return Moved(state=self._motion.prepare(state, before, inputs, ()))
+            refusals = [
+                refusal or void(request, inputs.requests, [error])
+                for request, refusal in zip(inputs.requests, judged.refusals, strict=True)
+            ]
+            judged = _Judged(state=state, refusals=refusals, asked=())
+            return judged, Moved(state=self._motion.prepare(state, before, inputs, ()))
 
     def _reason(self, state: LoopState, inputs: Inputs) -> str:
         """Why the mode is what it is; an absent drive is no fault in idle, but it is worth saying."""

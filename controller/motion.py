@@ -21,6 +21,9 @@ from messaging.control import Action, Target
 
 Array = NDArray[np.float64]
 
+FORGETTING = (Action.ABORT, Action.RELAX)
+"""Orders after which there is no target."""
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Moved:
@@ -50,13 +53,11 @@ class Motion:
         Raises LawFailedError.
         """
         entered = state.mode is not before
-        if entered and before in (Mode.TRACKING, Mode.WAITING) and state.task is not None:
-            state = dataclasses.replace(state, learnt=state.task.law_state)
-        if entered and before is Mode.TRACKING and state.task is not None:
-            state = dataclasses.replace(state, joined_s=state.task.reference.path_s(inputs.now_s))
+        retargeted = any(isinstance(one, Target) or one in FORGETTING for one in asked)
+        if entered or retargeted:
+            state = _ended(state, before, inputs.now_s)
         for one in asked:
             state = self._asked(state, one, inputs.now_s)
-        retargeted = state.target is not None and any(isinstance(one, Target) for one in asked)
         if entered:
             state = _left(state)
         if entered and not before.torque and state.mode.torque and inputs.drive is not None:
@@ -73,11 +74,14 @@ class Motion:
             return dataclasses.replace(state, task=None)
         return state
 
-    def taken_up(self, insertion_mm: float) -> Array:
-        """The command that calls the present displacements zero."""
-        low_mm, high_mm = self._limits.stage_mm
-        insertion_mm = min(max(insertion_mm, low_mm), high_mm)
+    def named_zero(self, insertion_mm: float) -> Array:
+        """(A,) what a place is called whose displacements become zero; a stage that reads `insertion_mm` keeps its name."""
         return np.append(np.zeros(self._kinematics.tendons), insertion_mm)[: self._kinematics.axes]
+
+    def taken_up(self, insertion_mm: float) -> Array:
+        """The command that calls the present displacements zero; it keeps the stage, in its travel."""
+        low_mm, high_mm = self._limits.stage_mm
+        return self.named_zero(min(max(insertion_mm, low_mm), high_mm))
 
     def doing(self, state: LoopState) -> str:
         """What this mode does just now, where its reason does not say it."""
@@ -85,15 +89,17 @@ class Motion:
             return "leading the robot straight" if state.search is None else self._search.words(state.search)
         if state.jog is not None:
             return state.jog.words
-        return "paused by the operator" if state.paused else ""
+        return "paused by the operator" if state.paused and state.mode is Mode.TRACKING else ""
 
     def _asked(self, state: LoopState, asked: Asked, now_s: float) -> LoopState:
         """Every order ends a jog, and some say more."""
         if isinstance(asked, Target):
-            return dataclasses.replace(state, target=asked, joined_s=0.0, progress=0.0)
+            return state.aimed(asked)
         if isinstance(asked, Jog):
             return dataclasses.replace(state, jog=asked)
         state, task = dataclasses.replace(state, jog=None), state.task
+        if asked in FORGETTING:
+            return dataclasses.replace(state.aimed(None), paused=False)
         match asked:
             case Action.PAUSE | Action.RESUME:
                 paused = asked is Action.PAUSE
@@ -101,8 +107,8 @@ class Motion:
                     reference = task.reference.paused(now_s) if paused else task.reference.resumed(now_s)
                     task = dataclasses.replace(task, reference=reference)
                 return dataclasses.replace(state, task=task, paused=paused)
-            case Action.ABORT:
-                return dataclasses.replace(state, target=None, joined_s=0.0, progress=0.0)
+            case Action.HOME:
+                return state.aimed(state.target)
         return state
 
     def _homing(self, state: LoopState, inputs: Inputs) -> LoopState:
@@ -154,7 +160,7 @@ class Motion:
             reference,
             state.seen,
             self._all_axes,
-            before=state.learnt if state.task is None else state.task.law_state,
+            before=state.learnt,
             command_mm=state.command_mm,
             lost_motion_mm=state.lost_motion_mm,
             now_s=now_s,
@@ -237,6 +243,15 @@ class Motion:
         return state.mode is Mode.TRACKING or (
             state.mode is Mode.HOMING and not state.blind(now_s, self._settings.sensing.timeout_s)
         )
+
+
+def _ended(state: LoopState, before: Mode, now_s: float) -> LoopState:
+    """What the motion until now leaves: what its law learnt, where on the path it was, and, without torque, no target."""
+    if before in (Mode.TRACKING, Mode.WAITING) and state.task is not None:
+        state = dataclasses.replace(state, learnt=state.task.law_state)
+    if before is Mode.TRACKING and state.task is not None:
+        state = dataclasses.replace(state, joined_s=state.task.reference.path_s(now_s))
+    return state if state.mode.torque else state.aimed(None)
 
 
 def _left(state: LoopState) -> LoopState:

@@ -4,7 +4,7 @@ The rule: torque is on only in a mode that an operator's `home` or `jog` led to,
 since. So `stop` and every fault end in a mode without torque, from anywhere, in the cycle in which they come; a restart
 begins in idle and arms nothing; and nothing but the operator's `home` or `relax` leads out of a fault. `Homed` needs no
 flag: ready, tracking, hold, waiting and relaxing can be reached through homing only, and unhomed, where a jog from idle
-leads, goes on to homing or back to idle.
+leads and homing whose operator is lost, goes on to homing or back to idle.
 
 Stop lets the tendons go at once: slack tendons cannot hurt the robot, the backbone straightens by itself, and the stage's
 screw keeps its place without torque. Relax leads the tendons back to zero slowly before it lets go, where zero is known.
@@ -34,7 +34,7 @@ class Mode(StrEnum):
     RELAXING = "relaxing"
     """A hold in which the tendons are let go slowly."""
     UNHOMED = "unhomed"
-    """A hold for jogging before homing."""
+    """A hold before homing, for jogging."""
     FAULT = "fault"
 
     @property
@@ -80,6 +80,7 @@ TRANSITIONS: dict[tuple[Mode, Event], Mode] = {
     (Mode.UNHOMED, Event.RELAX): Mode.IDLE,
     (Mode.UNHOMED, Event.STOP): Mode.IDLE,
     (Mode.HOMING, Event.HOMED): Mode.READY,
+    (Mode.HOMING, Event.OPERATOR_LOST): Mode.UNHOMED,
     (Mode.HOMING, Event.RELAX): Mode.IDLE,
     (Mode.HOMING, Event.STOP): Mode.IDLE,
     **{(mode, Event.ARM): Mode.TRACKING for mode in _ARMED},
@@ -95,10 +96,14 @@ TRANSITIONS: dict[tuple[Mode, Event], Mode] = {
     (Mode.TRACKING, Event.ABORT): Mode.HOLD,
     (Mode.TRACKING, Event.PAUSE): Mode.TRACKING,
     (Mode.TRACKING, Event.RESUME): Mode.TRACKING,
+    (Mode.WAITING, Event.PAUSE): Mode.WAITING,
+    (Mode.WAITING, Event.RESUME): Mode.WAITING,
     (Mode.TRACKING, Event.SENSING_LOST): Mode.WAITING,
     (Mode.WAITING, Event.SENSING_GOOD): Mode.TRACKING,
     (Mode.TRACKING, Event.OPERATOR_LOST): Mode.HOLD,
     (Mode.WAITING, Event.OPERATOR_LOST): Mode.HOLD,
+    (Mode.HOLD, Event.OPERATOR_LOST): Mode.HOLD,
+    (Mode.UNHOMED, Event.OPERATOR_LOST): Mode.UNHOMED,
     (Mode.RELAXING, Event.RELAXED): Mode.IDLE,
     (Mode.FAULT, Event.HOME): Mode.HOMING,
     (Mode.FAULT, Event.RELAX): Mode.IDLE,

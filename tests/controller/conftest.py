@@ -81,6 +81,18 @@ def pose(position_mm, *, node="tip", name="pose"):
     )
 
 
+def led(time_s, places_mm, *, repeat=False, node="tip", name="path"):
+    """One nodal point along these places (k, 3)."""
+    return Target(
+        name=name,
+        node_names=(node,),
+        weights=[1.0],
+        time_s=time_s,
+        position_mm=np.reshape(places_mm, (-1, 1, 3)),
+        repeat=repeat,
+    )
+
+
 class PaperRobot:
     """The constant-curvature model with play and errors that a test chooses: cheap, and wrong enough to need feedback."""
 
@@ -298,5 +310,6 @@ def stand_ins():
         "shape_of": shape_of,
         "circle": circle,
         "pose": pose,
+        "led": led,
         "ROBOT": ROBOT,
     }

@@ -202,7 +202,8 @@ def test_stop_beside_any_order_and_any_target_wins(tracking, stand_ins, action):
     _, replies = tracking.run(PERIOD_S, order, stand_ins["pose"]((5.0, 0.0, 84.0)), stop, order)
     assert tracking.state.mode == "idle"
     assert not tracking.servos.torque
-    assert [reply.accepted for reply in replies] == [action is Action.STOP, True, True, action is Action.STOP]
+    assert [reply.accepted for reply in replies] == [action is Action.STOP, False, True, action is Action.STOP]
+    assert replies[1].reason == "target pose is void: a stop came in the same cycle"
     tracking.run(0.5)
     assert tracking.state.mode == "idle"
 

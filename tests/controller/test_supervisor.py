@@ -15,8 +15,8 @@ EXPECTED = """
 home           homing   .       homing    .         homing    homing    homing    homing   homing
 arm            .        .       tracking  tracking  tracking  tracking  tracking  .        .
 hold           .        .       hold      hold      hold      hold      hold      unhomed  .
-pause          .        .       .         tracking  .         .         .         .        .
-resume         .        .       .         tracking  .         .         .         .        .
+pause          .        .       .         tracking  .         waiting   .         .        .
+resume         .        .       .         tracking  .         waiting   .         .        .
 abort          .        .       ready     hold      hold      hold      .         .        .
 jog            unhomed  .       hold      .         hold      .         .         unhomed  .
 relax          idle     idle    relaxing  relaxing  relaxing  relaxing  relaxing  idle     idle
@@ -25,7 +25,7 @@ homed          .        ready   .         .         .         .         .       
 relaxed        .        .       .         .         .         .         idle      .        .
 sensing_lost   .        .       .         waiting   .         .         .         .        .
 sensing_good   .        .       .         .         .         tracking  .         .        .
-operator_lost  .        .       .         hold      .         hold      .         .        .
+operator_lost  .        unhomed .         hold      hold      hold      .         unhomed  .
 """
 HEADER, *ROWS = EXPECTED.strip().splitlines()
 TABLE = {
