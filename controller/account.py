@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from controller.checked import checked
 from controller.cycle import Inputs, LoopState, Outputs
 from drivers.actuators import ActuatorState
 from messaging.control import ControllerState, TendonCommand, TendonState
@@ -42,7 +43,8 @@ class Account:
 def account_of(
     before: LoopState, after: LoopState, inputs: Inputs, outputs: Outputs, *, commanded: bool, timing: Timing
 ) -> Account:
-    """The messages of the cycle that led from one state to the other."""
+    """The messages of the cycle that led from one state to the other; they carry what it could use of its inputs."""
+    inputs = checked(inputs, outputs.tendons, len(after.command_mm))
     fresh = after.seen is not before.seen
     return Account(
         command=_tendon_command(after, outputs, fresh=fresh, timing=timing) if commanded else None,

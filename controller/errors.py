@@ -8,8 +8,10 @@ NodalError
     |   |-- UnknownNodeError      it names a nodal point that sensing does not report
     |   |-- UnreachableError      a point lies where the robot cannot bring it
     |   |-- TooFastError          it moves or jumps faster than nodal points or axes may
+    |   |-- TooLongError          its path is longer than can be checked before anything moves
     |   |-- TooCloseError         it leads the robot into a forbidden region, or too near to one
     |   `-- NoWayError            no way to it was found that keeps clear of regions and within travels
+    |-- ClockError                a cycle's time that is no time; nothing can be done without one
     |-- CommandNotFiniteError     a command that no actuator may see
     `-- FaultError                what puts the controller into `fault`; controller/faults.py holds one class for each
 """
@@ -47,12 +49,20 @@ class TooFastError(TargetError):
     """A target moves faster than `maximum_node_speed_mm_s`, or asks more of an axis than its rate."""
 
 
+class TooLongError(TargetError):
+    """A target's path is longer than what can be looked at in the time that there is."""
+
+
 class TooCloseError(TargetError):
     """A target, or the straight way to it, leads the robot nearer to a forbidden region than `keep_clear_mm`."""
 
 
 class NoWayError(TargetError):
     """Planning found no way to a target."""
+
+
+class ClockError(ControllerError):
+    """A cycle's time, or the time since the one before, is not finite or does not go on."""
 
 
 class CommandNotFiniteError(ControllerError):

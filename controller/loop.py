@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 
 from controller import task as tasks
+from controller.checked import checked
 from controller.cycle import Asked, Inputs, LoopState, Outputs
 from controller.errors import FaultError
 from controller.motion import Motion, Moved
@@ -53,7 +54,8 @@ class Loop:
         )
 
     def step(self, state: LoopState, inputs: Inputs) -> tuple[LoopState, Outputs]:
-        """The state after this cycle and what is to be done."""
+        """The state after this cycle and what is to be done; raises ClockError for a time that is none."""
+        inputs = checked(inputs, self._plant.kinematics.tendons, self._plant.kinematics.axes)
         before = state
         state, fresh = self._look(state, inputs)
         judged = self._judge(state, fresh, inputs)

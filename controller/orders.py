@@ -152,8 +152,8 @@ class Orders:
         if low_mm - TRAVEL_TOLERANCE_MM <= insertion_mm <= high_mm + TRAVEL_TOLERANCE_MM:
             return ""
         return (
-            f"the stage stands at {insertion_mm:.3f} mm, travel {low_mm:g} to {high_mm:g} mm: turn it back by hand, or, "
-            "if it does not stand there, give it its zero anew"
+            f"the stage stands at {insertion_mm:.3f} mm, travel {low_mm:g} to {high_mm:g} mm: turn it back by hand; "
+            "if it does not stand there, its zero is wrong (docs/servos.md)"
         )
 
     def _target_refusal(self, target: Target, state: LoopState, now_s: float) -> str:

@@ -73,6 +73,8 @@ def distrust(
         return f"shape refused: {shape.refusal}"
     if shape.flags:
         return f"shape flagged: {', '.join(shape.flags)}"
+    if not 0 <= age_s < np.inf:
+        return f"shape is said to be {age_s} s old; that must be finite, and 0 or more"
     if age_s > maximum_age_s:
         return (
             f"shape arrived {age_s * 1e3:.0f} ms after its capture, {maximum_age_s * 1e3:.0f} ms are allowed"
