@@ -200,6 +200,69 @@ def test_an_operator_who_is_gone_makes_a_hold_and_then_a_fault(stand_ins):
     assert bench.state.mode == "fault"
 
 
+@pytest.fixture
+def watched(stand_ins):
+    """A bench that needs an operator's heartbeat, and has one."""
+    settings = ControllerSettings(operator=OperatorSettings(heartbeat_s=0.5, hold_s=1.0))
+    robot = stand_ins["PaperRobot"](settings.kinematics(stand_ins["ROBOT"]))
+    bench = stand_ins["VirtualBench"](robot, settings)
+    bench.heartbeat = True
+    bench.run(0.2)
+    return bench
+
+
+def leave_homing_early(bench):
+    bench.do("home", 0.5)
+    return bench.state.search is not None
+
+
+def leave_homing_late(bench):
+    bench.do("home")
+    while bench.state.search is not None:
+        bench.cycle(())
+    return bench.state.mode == "homing"
+
+
+def leave_a_jog(bench):
+    return bench.jog("2", 4.0, 0.3).state == "unhomed"
+
+
+def leave_a_jog_of_a_homed_robot(bench):
+    bench.home()
+    return bench.jog("2", 4.0, 0.3).state == "hold"
+
+
+@pytest.mark.parametrize(
+    ("leave", "mode"),
+    [
+        (leave_homing_early, "unhomed"),
+        (leave_homing_late, "unhomed"),
+        (leave_a_jog, "unhomed"),
+        (leave_a_jog_of_a_homed_robot, "hold"),
+    ],
+)
+def test_nothing_goes_on_moving_without_its_operator(watched, leave, mode):
+    assert leave(watched)
+    watched.heartbeat = False
+    moments, _ = watched.run(1.6)
+    sent = {m.now_s - moments[0].now_s: m.outputs.command_mm for m in moments if m.state.mode == mode}
+    still = np.array([command_mm for after_s, command_mm in sent.items() if after_s > 0.51])
+    assert len(still) > 100
+    assert (np.ptp(still, axis=0) == 0).all()
+    assert first_fault(moments).state.supervision.fault.code == "operator_lost"
+
+
+def test_an_operator_who_comes_back_sets_nothing_in_motion(watched):
+    watched.jog("2", 4.0, 0.3)
+    watched.heartbeat = False
+    watched.run(0.6)
+    watched.heartbeat = True
+    moments, _ = watched.run(1.0)
+    assert {m.state.mode for m in moments} == {"unhomed"}
+    assert (np.ptp([m.outputs.command_mm for m in moments], axis=0) == 0).all()
+    assert watched.do("home").accepted
+
+
 def test_a_fault_and_home_in_one_cycle_end_in_the_fault(homed):
     homed.servos.hardware_error = 0x20
     reply = homed.do("home")

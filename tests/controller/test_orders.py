@@ -151,6 +151,26 @@ def test_a_pause_outlives_lost_shapes_and_a_new_target(tracking, stand_ins):
     assert tracking.state.progress == 1.0
 
 
+def test_a_motion_that_waits_for_shapes_can_be_paused_and_resumed(tracking):
+    see, tracking.camera = tracking.camera, lambda _: None
+    tracking.run(0.3)
+    reply = tracking.do("pause")
+    assert (reply.accepted, reply.state) == (True, "hold")
+    assert "no trusted shape" in reply.reason
+    tracking.camera = see
+    tracking.run(1.0)
+    assert tracking.state.mode == "tracking"
+    stood = place(tracking)
+    tracking.run(0.5)
+    np.testing.assert_allclose(place(tracking), stood, atol=1e-9)
+    tracking.camera = lambda _: None
+    tracking.run(0.3)
+    assert tracking.do("resume").accepted
+    tracking.camera = see
+    tracking.run(1.5)
+    assert np.linalg.norm(place(tracking) - stood) > 3.0
+
+
 @pytest.mark.parametrize("order", ["hold", "relax", "stop", "abort"])
 def test_a_pause_ends_with_its_motion(tracking, order):
     tracking.do("pause", 0.5)
@@ -202,7 +222,12 @@ def test_stop_beside_any_order_and_any_target_wins(tracking, stand_ins, action):
     _, replies = tracking.run(PERIOD_S, order, stand_ins["pose"]((5.0, 0.0, 84.0)), stop, order)
     assert tracking.state.mode == "idle"
     assert not tracking.servos.torque
-    assert [reply.accepted for reply in replies] == [action is Action.STOP, False, True, action is Action.STOP]
+    assert [reply.accepted for reply in replies] == [
+        action is Action.STOP,
+        False,
+        True,
+        action is Action.STOP,
+    ]
     assert replies[1].reason == "target pose is void: a stop came in the same cycle"
     tracking.run(0.5)
     assert tracking.state.mode == "idle"
