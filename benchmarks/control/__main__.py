@@ -15,6 +15,8 @@ from benchmarks.control.running import OPEN_LOOP, Job, Result, law_name, run_all
 from benchmarks.control.scenarios import SCENARIOS
 from benchmarks.control.table import HEAD, LEGEND, hardness, row, yardsticks
 from controller.laws import law_names
+from nodal.errors import CommandError
+from nodal.replay.request import changes_in
 
 BENCHES, QUICK_BENCHES = 4, 2
 QUICK_SCENARIOS = ("circle", "step 10 mm", "steady state", "push", "gains +30 %", "delay 100 ms")
@@ -34,7 +36,12 @@ def main(words: Sequence[str] | None = None) -> int:
         for law in laws
         if scenario.name in arguments.scenarios and not (law == OPEN_LOOP and scenario.sensing_only)
     ]
-    jobs = [Job(seed=seed, law=law, scenario=scenario.name) for scenario, law in rows for seed in seeds]
+    tuning = {law: arguments.tuning if law in arguments.laws else {} for law in laws}
+    jobs = [
+        Job(seed=seed, law=law, scenario=scenario.name, tuning=tuning[law])
+        for scenario, law in rows
+        for seed in seeds
+    ]
     for result in run_all(jobs, arguments.jobs):
         results.append(result)
         if result.seed == seeds[-1]:
@@ -72,6 +79,13 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
         metavar="NAME,FILE",
         help=f"of {', '.join(law_names())}, or law files (default: those that come with the controller)",
     )
+    parser.add_argument(
+        "--tuning",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a setting of the one law in --laws; its defaults otherwise",
+    )
     parser.add_argument("--scenarios", type=_list, metavar="NAME,NAME", help=which.replace("%", "%%"))
     parser.add_argument(
         "--jobs", type=_positive, default=processes, metavar="N", help=f"processes (default {processes})"
@@ -84,6 +98,13 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
         parser.error(f"no scenario {', '.join(unknown)}; there are {', '.join(names)}")
     if unknown := [law for law in arguments.laws if law not in law_names() and not Path(law).is_file()]:
         parser.error(f"no law or file {', '.join(unknown)}; laws are {', '.join(law_names())}")
+    if arguments.tuning and len(arguments.laws) != 1:
+        parser.error(f"--tuning is of one law; --laws has {', '.join(arguments.laws)}")
+    try:
+        arguments.tuning = changes_in([f"controller.tuning.{word}" for word in arguments.tuning])
+    except CommandError as error:
+        parser.error(str(error))
+    arguments.tuning = arguments.tuning.get("controller", {}).get("tuning", {})
     return arguments
 
 

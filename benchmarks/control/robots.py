@@ -22,7 +22,7 @@ POINTS_PER_SECTION = 20
 STAGE_MM, LOWERED_MM = 5.0, 3.0
 """How far above, or below, a straight robot's tip its circle lies."""
 EASY_SERVOS = ServoSettings(tendon_mm_per_rad=10.0, motor=MotorSettings(friction_Nm=0.02))
-"""Single tendons are tightened until a current rises, so their servos must feel a few newtons in spite of their own friction."""
+"""Single tendons are kept tight by their currents, so their servos must feel a few newtons in spite of their own friction."""
 EASY_HOMING, EASY_LIMITS = HomingSettings(tension_ma=30.0), LimitSettings(least_tension_ma=15.0)
 
 

@@ -18,6 +18,7 @@ from benchmarks.control.scenarios import SCENARIOS, Build, tuned
 from controller.loop import Loop
 from controller.plant import Plant
 from controller.settings import ControllerSettings
+from nodal.toml_file import Table
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.errors import VirtualBenchError
 from nodal.virtual.random_bench import random_bench
@@ -35,6 +36,8 @@ class Job:
     seed: int
     law: str
     scenario: str
+    tuning: Table = dataclasses.field(default_factory=dict)
+    """The law's own settings, where they are not its defaults."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -49,10 +52,10 @@ class Result:
     cpu_s: float
 
 
-def controlled_by(law: str, controller: ControllerSettings) -> ControllerSettings:
-    """The settings with a law by its name, or by the path of its file."""
+def controlled_by(law: str, tuning: Table, controller: ControllerSettings) -> ControllerSettings:
+    """The settings with a law by its name, or by the path of its file, and with that law's own settings."""
     named = {"law_file": law} if law.endswith(".py") else {"law": law}
-    return msgspec.structs.replace(controller, **named)
+    return msgspec.structs.replace(controller, **named, tuning=tuning)
 
 
 def law_name(law: str) -> str:
@@ -67,10 +70,8 @@ def run(job: Job) -> Result:
     robot = scenario.robot
     simulated_s = cpu_s = 0.0
     try:
-        # a law that never looks cannot home
-        homing = robot.controller.law if job.law == OPEN_LOOP else job.law
-        bench = _homed(job.seed, homing, robot, scenario.build).copy()
-        controller = tuned(controlled_by(job.law, robot.controller), bench.settings)
+        bench = _homed(job.seed, robot, scenario.build).copy()
+        controller = tuned(controlled_by(job.law, job.tuning, robot.controller), bench.settings)
         bench.hand_over(Loop(controller, robot.robot))
         begun_s, started_s = bench.now_s, time.process_time()
         figures = scenario.play(bench, Plant.of(controller, robot.robot).limits)
@@ -88,10 +89,12 @@ def run(job: Job) -> Result:
 
 
 @lru_cache(maxsize=64)
-def _homed(seed: int, law: str, robot: Robot, build: Build) -> VirtualBench:
-    """A bench that many scenarios begin with; raises VirtualBenchError when it cannot be homed."""
+def _homed(seed: int, robot: Robot, build: Build) -> VirtualBench:
+    """A bench that many runs begin with, for homing is led by one law, whichever follows; raises VirtualBenchError when it
+    cannot be homed.
+    """
     settings = build(random_bench(seed, robot.bench))
-    bench = VirtualBench(settings, tuned(controlled_by(law, robot.controller), settings), robot.robot)
+    bench = VirtualBench(settings, tuned(robot.controller, settings), robot.robot)
     bench.home()
     return bench
 

@@ -1,7 +1,7 @@
 """The tendon drive on a virtual bench: what `drivers.dynamixel` does with packets, done with the emulated servos' registers.
 
-The same bounds, the same rounding to encoder ticks, the same watchdog and the same errors, so that `controller.drive` and
-`controller.watch` meet what they meet on a bench.
+The same rounding to encoder ticks, the same watchdog and the same errors, so that `controller.drive` and `controller.watch`
+meet what they meet on a bench. Only a travel of its own it has none.
 """
 
 import math
@@ -20,6 +20,7 @@ from drivers.actuators import (
     ServoRestartedError,
     WatchdogExpiredError,
 )
+from drivers.dynamixel.control_table import hardware_error_names
 from drivers.simulated.servos.servo import (
     ACCELERATION_UNIT_RAD_S2,
     CURRENT_UNIT_A,
@@ -119,6 +120,11 @@ class VirtualActuators:
             voltage_v=voltage / 10,
             hardware_error=tuple(servo.memory["hardware_error_status"] for servo in self._servos),
             torque=all(servo.torque_enabled for servo in self._servos),
+            alarm="; ".join(
+                f"servo {servo.id}: {hardware_error_names(bits)}"
+                for servo in self._servos
+                if (bits := servo.memory["hardware_error_status"])
+            ),
         )
 
     def write(self, displacement_mm: Array, insertion_mm: float) -> None:

@@ -1,6 +1,7 @@
 """The figures, runs and faults of `python -m benchmarks.control`."""
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,15 +9,17 @@ import pytest
 from benchmarks.control.__main__ import main
 from benchmarks.control.faults import FAULTS, consequence, tracking_bench
 from benchmarks.control.figures import stepped, sways, tracked
-from benchmarks.control.robots import BENCH_ROBOT
-from benchmarks.control.running import OPEN_LOOP, Job, run
-from benchmarks.control.scenarios import SCENARIOS, tuned
+from benchmarks.control.paths import REST_MM
+from benchmarks.control.robots import BENCH_ROBOT, OTHER_ROBOTS
+from benchmarks.control.running import OPEN_LOOP, Job, controlled_by, run
+from benchmarks.control.scenarios import SCENARIOS, gains, mixed_gains, tuned
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 from nodal.virtual.random_bench import random_bench
 from nodal.virtual.samples import Samples
 
-PERIOD_S = 0.015
+PERIOD_S, SEEDS = 0.015, (2, 3)
+LAW = ControllerSettings().law
 LIMITS = Plant.of(BENCH_ROBOT.controller, BENCH_ROBOT.robot).limits
 
 
@@ -83,14 +86,54 @@ def test_late_and_rare_shapes_are_trusted_on_their_benches():
         assert sensing.timeout_s == scenario.robot.controller.sensing.timeout_s or bench.shape.rate_hz < 30
 
 
-def test_the_law_beats_open_loop_on_a_bench_that_no_model_fits(monkeypatch):
-    monkeypatch.setattr("benchmarks.control.scenarios.TURN_S", 5.0)
-    seen, blind = (
-        run(Job(seed=2, law=law, scenario="circle")).figures for law in (ControllerSettings().law, OPEN_LOOP)
-    )
+@pytest.fixture(scope="module")
+def figures_of():
+    """Of a run on half a turn, or at one place; none is run twice."""
+
+    @cache
+    def run_once(scenario, *, law=LAW, seed=2):
+        return run(Job(seed=seed, law=law, scenario=scenario)).figures
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("benchmarks.control.scenarios.TURN_S", 5.0)
+        patch.setattr("benchmarks.control.scenarios.REST_MM", REST_MM[:1])
+        yield run_once
+
+
+def test_the_yardsticks_are_met(figures_of):
+    circles = [figures_of("circle", seed=seed) for seed in SEEDS]
+    steps = [figures_of("step 10 mm", seed=seed) for seed in SEEDS]
+    still = figures_of("steady state")
+    assert np.median([circle.rms_mm for circle in circles]) <= 0.4
+    assert still.rms_mm <= 0.1
+    assert max(step.settle_s for step in steps) <= 1.0
+    assert max(step.overshoot_percent for step in steps) <= 10.0
+    for figures in (*circles, *steps, still):
+        assert (figures.violations, figures.unstable, figures.fault) == (0, False, "")
+
+
+def test_the_law_beats_open_loop_on_a_bench_that_no_model_fits(figures_of):
+    seen, blind = figures_of("circle"), figures_of("circle", law=OPEN_LOOP)
     assert blind.rms_mm > 0.05 * BENCH_ROBOT.robot.length_mm
     assert seen.rms_mm < blind.rms_mm / 8
-    assert (seen.violations, seen.unstable, seen.fault) == (0, False, "")
+
+
+def test_gains_are_wrong_on_every_axis_and_each_by_its_own_sign():
+    for robot in (BENCH_ROBOT, OTHER_ROBOTS[-2]):
+        drawn = random_bench(3, robot.bench)
+        gain, mixed = ([*build(drawn).servos.gain] for build in (gains(1.3), mixed_gains))
+        np.testing.assert_allclose(np.divide(gain, drawn.servos.gain), 1.3)
+        assert set(np.divide(mixed, drawn.servos.gain).round(9)) == {0.7, 1.3}
+        assert len(gain) == len(mixed) == robot.robot.stage + 4
+
+
+def test_a_law_is_tuned(capsys, monkeypatch):
+    told = []
+    monkeypatch.setattr("benchmarks.control.__main__.run_all", lambda jobs, _: told.extend(jobs) or ())
+    words = ["--laws", "model_free", "--benches", "1", "--scenarios", "circle"]
+    assert main([*words, "--tuning", "feedback_per_s=4", "--tuning", "name=slow"]) == 0
+    assert [job.tuning for job in told] == [{"feedback_per_s": 4, "name": "slow"}, {}]
+    assert controlled_by("model_free", told[0].tuning, ControllerSettings()).tuning["feedback_per_s"] == 4
 
 
 @pytest.fixture(scope="module")
@@ -137,6 +180,8 @@ def test_the_command_prints_a_row_and_the_yardsticks(capsys, monkeypatch):
         (["--scenarios", "hurricane"], "no scenario hurricane"),
         (["--laws", "magic"], "no law or file magic"),
         (["--benches", "0"], "from 1"),
+        (["--tuning", "a=1"], "--tuning is of one law"),
+        (["--laws", "model_free", "--tuning", "a"], "is not KEY=VALUE"),
     ],
 )
 def test_what_there_is_not_is_refused_by_name(words, said, capsys):

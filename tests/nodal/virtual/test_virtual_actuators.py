@@ -129,6 +129,7 @@ def test_a_hardware_error_is_reported_and_takes_the_torque(rig):
     rig.plant.servos[0].fail(0x20)
     state = rig.drive.read()
     assert state.hardware_error == (0x20, 0, 0, 0, 0)
+    assert state.alarm == "servo 1: overload"
     assert not state.torque
     with pytest.raises(ActuatorError, match="hardware error"):
         rig.drive.enable()
