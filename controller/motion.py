@@ -151,6 +151,7 @@ class Motion:
             now_s,
             self._settings.maximum_node_speed_mm_s,
             state.joined_s,
+            done=state.progress,
             start_mm_s=start.velocity_mm_s,
         )
         if state.paused:

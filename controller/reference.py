@@ -37,6 +37,8 @@ class Reference:
     joined_s: float
     own_time: OwnTime
     """Counts from the beginning, and stands while the reference is paused."""
+    done: float = 0.0
+    """Share of the target that lay behind already, 0 to 1."""
 
     @classmethod
     def towards(
@@ -47,11 +49,13 @@ class Reference:
         speed_mm_s: float,
         joined_s: float = 0.0,
         *,
+        done: float = 0.0,
         start_mm_s: Array | None = None,
     ) -> Self:
         """Begin now from `start_mm` (m, 3), no weighted nodal point faster than `speed_mm_s` until the path is joined.
 
-        `start_mm_s` (m, 3) is how nodal points move at the beginning, if they do.
+        `start_mm_s` (m, 3) is how nodal points move at the beginning, if they do; `done` the progress of a reference that
+        this one goes on with.
         """
         if start_mm_s is None:
             start_mm_s = np.zeros_like(start_mm)
@@ -67,6 +71,7 @@ class Reference:
             approach_s=approach_s,
             joined_s=joined_s,
             own_time=OwnTime(now_s=now_s),
+            done=done,
         )
 
     def paused(self, now_s: float) -> Self:
@@ -86,10 +91,14 @@ class Reference:
         return self.own_time.at(now_s) >= self.approach_s + self._stretch.duration_s
 
     def progress(self, now_s: float) -> float:
-        """Which share of the approach and the path lies behind, 0 to 1; of a path that repeats, which share of its round."""
+        """Which share of the approach and the path lies behind, 0 to 1; of a path that repeats, which share of its round.
+
+        It begins with what was done already, and the rest counts by its time; so it never goes back.
+        """
         whole_s = self.approach_s + self._stretch.duration_s
         if math.isfinite(whole_s):
-            return min(max(self.own_time.at(now_s), 0.0) / whole_s, 1.0) if whole_s else 1.0
+            share = min(max(self.own_time.at(now_s), 0.0) / whole_s, 1.0) if whole_s else 1.0
+            return 1.0 - (1.0 - self.done) * (1.0 - share)
         beyond_s = self.path_s(now_s) - self.target.repeat_from_s
         round_s = float(self.target.time_s[-1]) - self.target.repeat_from_s
         return beyond_s % round_s / round_s if beyond_s > 0 else 0.0

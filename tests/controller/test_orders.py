@@ -215,6 +215,34 @@ def test_progress_of_a_pose_reaches_one_and_is_kept_by_a_hold(homed, stand_ins):
     assert homed.state.progress == 1.0
 
 
+def blink(bench):
+    see, bench.camera = bench.camera, lambda _: None
+    bench.run(0.3)
+    assert bench.state.mode == "waiting"
+    bench.camera = see
+    return bench.run(0.3)[0]
+
+
+def hold(bench):
+    bench.do("hold", 0.1)
+    bench.do("arm")
+    return bench.run(0.3)[0]
+
+
+@pytest.mark.parametrize("interrupt", [blink, hold])
+def test_progress_along_a_path_goes_on_where_it_was_interrupted_and_never_back(homed, stand_ins, interrupt):
+    line = stand_ins["led"]([0.0, 1.0, 2.0], [[-3.0, 0.0, 83.0], [0.0, 0.0, 84.0], [3.0, 0.0, 83.0]])
+    assert homed.run(PERIOD_S, line)[1][0].accepted
+    homed.do("arm")
+    while homed.state.progress < 0.8:
+        homed.cycle(())
+    moments = interrupt(homed) + homed.run(2.5)[0]
+    progress = [moment.state.progress for moment in moments]
+    assert progress[0] >= 0.8
+    assert (np.diff(progress) >= 0).all()
+    assert progress[-1] == 1.0
+
+
 @pytest.mark.parametrize("action", [action for action in Action if action is not Action.STATUS])
 def test_stop_beside_any_order_and_any_target_wins(tracking, stand_ins, action):
     order = ActionRequest(action=action, axis="1", distance_mm=1.0)
