@@ -301,7 +301,7 @@ def tracking(tracking_once):
     return copy.deepcopy(tracking_once)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def stand_ins():
     """What the tests of this room build benches from."""
     return {
