@@ -79,7 +79,7 @@ def test_a_jog_must_not_lead_nearer_to_a_region_than_the_robot_keeps_away(bench)
 
 def test_a_jog_may_lead_away_from_a_region_that_is_too_near(bench):
     command_mm = bench.state.command_mm.copy()
-    command_mm[1] = 1.8
+    command_mm[1] = 1.5
     bench.servos.position_mm = command_mm.copy()
     bench.state = dataclasses.replace(bench.state, command_mm=command_mm)
     assert not bench.jog("2", 0.1).accepted
