@@ -17,7 +17,7 @@ from benchmarks.timing import medians_s
 from controller.errors import NoWayError, TargetError
 from controller.planning.plan import Plan, plan
 from controller.planning.search import Search
-from controller.planning.space import Space
+from controller.planning.space import Space, interpolated
 from controller.plant import Plant
 from controller.reachability import check_target
 from controller.regions import HalfSpace, Region, Sphere
@@ -136,7 +136,7 @@ def plan_line(kind: Kind, *, blocked: bool) -> str:
 def _closely(scene: Scene, found: Plan) -> float:
     way = found.way.configurations
     places = np.linspace(0, len(way) - 1, CLOSER * len(way))
-    between = np.stack([np.interp(places, np.arange(len(way)), column) for column in way.T], axis=-1)
+    between = interpolated(places, np.arange(len(way)), way)
     return float(Space(scene.plant).spare_mm(between).min())
 
 

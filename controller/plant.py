@@ -14,8 +14,8 @@ from messaging.settings import RobotSettings
 
 Array = NDArray[np.float64]
 
-_BODY_STEP_MM = 5.0
-"""How far apart along the robot it is looked at whether it keeps clear of regions."""
+_BODY_STEP_MM = (2.0, 5.0)
+"""How far apart along the robot it is looked at whether it keeps clear of regions: as far as it keeps clear, within bounds."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,4 +49,5 @@ class Plant:
     def body_arc_mm(self) -> Array:
         """(m,) arc lengths at which the body is looked at, the tip last."""
         length_mm = float(self.kinematics.length_mm.sum())
-        return np.linspace(0.0, length_mm, max(round(length_mm / _BODY_STEP_MM), 1) + 1)[1:]
+        step_mm = min(max(self.clearance_mm, _BODY_STEP_MM[0]), _BODY_STEP_MM[1])
+        return np.linspace(0.0, length_mm, max(round(length_mm / step_mm), 1) + 1)[1:]

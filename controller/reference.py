@@ -86,10 +86,6 @@ class Reference:
         """True when the approach is over."""
         return self.own_time.at(now_s) >= self.approach_s
 
-    def finished(self, now_s: float) -> bool:
-        """True when the end of the path is reached; a path that repeats never is."""
-        return self.own_time.at(now_s) >= self.approach_s + self._stretch.duration_s
-
     def progress(self, now_s: float) -> float:
         """Which share of the approach and the path lies behind, 0 to 1; of a path that repeats, which share of its round.
 

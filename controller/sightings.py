@@ -1,9 +1,12 @@
 """Nodal points that another program measured, as the controller takes them in. Pure."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from controller.cycle import Sighting
+from messaging.errors import InvalidMessageError
 from messaging.shape import ShapeEstimate
 
 _NO_POINTS = np.zeros((0, 3))
@@ -24,7 +27,9 @@ def sighting_of(
     `arc_mm` (k,) is each point's distance from the base along the centreline, `node_mm` (k, 3) its place in the robot
     frame, `insertion_mm` how far the base had been moved along +Z.
     """
-    covariance: NDArray[np.float64] = standard_deviation_mm**2 * np.eye(3)
+    if not math.isfinite(age_s):
+        raise InvalidMessageError(f"points seen {age_s} s ago; the age must be finite")
+    covariance: NDArray[np.float64] = np.diag(np.full(3, standard_deviation_mm**2))
     shape = ShapeEstimate(
         sequence=0,
         capture_time_ns=0,

@@ -15,7 +15,7 @@ from controller.errors import NoWayError
 from controller.path import along
 from controller.planning.search import Search, Way
 from controller.planning.solving import Wanted, bent_starts, shortfall, solve
-from controller.planning.space import Space
+from controller.planning.space import Space, interpolated
 from controller.planning.timing import Timing
 from controller.plant import Plant
 from controller.reachability import Demands, check_target, demands, say_too_close
@@ -127,9 +127,7 @@ def _joined(
     names = (*target.node_names, *guides)
     led = np.array([node_arc_mm[name] for name in names])
     known_s = path_s % target.time_s[-1] if target.repeat else path_s
-    configurations = np.stack(
-        [np.interp(known_s, asked.moment_s, column) for column in asked.configurations.T], axis=-1
-    )
+    configurations = interpolated(known_s, asked.moment_s, asked.configurations)
     configurations[path_s == 0] = way_configurations[-1]
     on_way, _ = space.nodes_and_jacobian(way_configurations, led)
     on_path, _ = space.nodes_and_jacobian(configurations, led)
@@ -188,5 +186,4 @@ def _timed(way: Array, space: Space, timing: Timing) -> tuple[Array, Array]:
     u = np.linspace(0, 1, moments)
     reached = timing.share(u) * needed_s[-1]
     reached[-1] = needed_s[-1]
-    configurations = np.stack([np.interp(reached, needed_s, column) for column in way.T], axis=-1)
-    return u * duration_s, configurations
+    return u * duration_s, interpolated(reached, needed_s, way)

@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.planning.space import Space
+from controller.planning.space import Space, interpolated
 
 Array = NDArray[np.float64]
 
@@ -144,7 +144,7 @@ class Search:
         points, swept = points[keep], swept[keep]
         count = int(np.clip(np.ceil(swept[-1] / _ROUND_MM), 8, _MOST_POINTS)) + 1
         even = np.linspace(0, swept[-1], count)
-        return np.stack([np.interp(even, swept, column) for column in points.T], axis=-1)
+        return interpolated(even, swept, points)
 
     def _rounded(self, way: Array) -> Array:
         """Every place drawn between its neighbours, again and again, unless that comes too near."""

@@ -12,6 +12,12 @@ from numpy.typing import NDArray
 from controller.plant import Plant
 
 Array = NDArray[np.float64]
+Count = NDArray[np.intp]
+
+_LOOK_MM = (1.0, 2.5)
+_LOOK_WITHOUT_REGIONS_MM = 5.0
+_MOST_BETWEEN = 8
+"""Configurations that would need more between them belong to two ways of reaching the same places."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -122,19 +128,41 @@ class Space:
         spare: Array = distance.min(axis=(-2, -1)) - self.plant.clearance_mm
         return spare
 
+    @property
+    def look_mm(self) -> float:
+        """How far anything may move between two looks at a path: half of what is kept clear, within bounds."""
+        if not len(self.plant.regions):
+            return _LOOK_WITHOUT_REGIONS_MM
+        return min(max(self.plant.clearance_mm / 2, _LOOK_MM[0]), _LOOK_MM[1])
+
+    def nearest_between(self, way: Array) -> Encroachment | None:
+        """Where a way (w, C) comes nearest to a region, looked at so often that no point of the body moves farther than
+        `look_mm`; counted by the nearest of these configurations.
+        """
+        parts = np.clip(np.ceil(self.sweep_mm(np.diff(way, axis=0)) / self.look_mm), 1, _MOST_BETWEEN)
+        behind, known = np.append(0.0, np.cumsum(parts)), np.arange(len(way))
+        index = np.interp(np.arange(behind[-1] + 1), behind, known)
+        nearest = self.nearest(interpolated(index, known, way))
+        return nearest and dataclasses.replace(nearest, index=round(index[nearest.index]))
+
     def nearest(self, configurations: Array) -> Encroachment | None:
         """Where these configurations (k, C) come nearest to a region; None without regions."""
         if not len(self.plant.regions):
             return None
-        body = self.body_mm(configurations)
-        distance, _ = self.plant.regions.clearance(body)
+        return self.nearest_of(self.body_mm(configurations), self._body_arc_mm)
+
+    def nearest_of(self, point_mm: Array, arc_mm: Array) -> Encroachment | None:
+        """Where the points (k, m, 3) at these arc lengths (m,) come nearest to a region; None without regions."""
+        if not len(self.plant.regions):
+            return None
+        distance, _ = self.plant.regions.clearance(point_mm)
         index, point, region = np.unravel_index(distance.argmin(), distance.shape)
         return Encroachment(
             index=int(index),
             spare_mm=float(distance[index, point, region]) - self.plant.clearance_mm,
             region=self.plant.regions.names[region],
-            arc_mm=float(self._body_arc_mm[point]),
-            point_mm=body[index, point],
+            arc_mm=float(arc_mm[point]),
+            point_mm=point_mm[index, point],
         )
 
     def sweep_mm(self, way: Array) -> Array:
@@ -143,6 +171,11 @@ class Space:
         swung = np.linalg.norm(bend, axis=-1) @ self._lever_mm
         sweep: Array = swung + np.abs(way[..., 2 * self._sections :]).sum(axis=-1)
         return sweep
+
+
+def interpolated(at: Array | Count, known: Array | Count, configurations: Array) -> Array:
+    """(k, C) at these places (k,), straight on between configurations (w, C) that are known at others (w,), which increase."""
+    return np.stack([np.interp(at, known, column) for column in configurations.T], axis=-1)
 
 
 def _arc(bend: Array, share: Array) -> Array:

@@ -202,7 +202,12 @@ def _asked(
     from nodal.targets.preparing import Asked  # noqa: PLC0415
 
     timing = Timing(getattr(arguments, "timing", TIMINGS[0]))
-    return Asked(make=make, timing_is_ours=timing_is_ours, timing=timing)
+    return Asked(
+        make=make,
+        timing_is_ours=timing_is_ours,
+        timing=timing,
+        acceleration_mm_s2=getattr(arguments, "acceleration", None),
+    )
 
 
 def _pace(arguments: argparse.Namespace, easy_mm_s: float) -> Any:

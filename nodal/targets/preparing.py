@@ -33,6 +33,7 @@ class Asked:
     make: Callable[[Present], Target]
     timing_is_ours: bool
     timing: Timing = Timing.MINIMUM_JERK
+    acceleration_mm_s2: float | None = None
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -76,6 +77,11 @@ def prepared(
         except TooCloseError:
             if planned is False:
                 raise
+    if asked.acceleration_mm_s2 is not None:
+        raise CommandError(
+            f"target {target.name}: a way to its beginning must be planned, and a planned way does not keep to an acceleration "
+            f"of {asked.acceleration_mm_s2:g} mm/s²; go to its beginning first (`nodal target point`), or leave the acceleration out"
+        )
     found = plan(target, arcs, present.configuration, plant, settings, timing=asked.timing)
     around = f"around regions, {found.spare_mm:.1f} mm to spare" if len(plant.regions) else "straight on"
     notes.append(
@@ -86,7 +92,7 @@ def prepared(
 
 def _busy(target: Target, present: Present, plant: Plant, settings: ControllerSettings) -> float:
     asked = demands(target, present.node_arc_mm, Space(plant), settings.reachable_within_mm)
-    speed = asked.speed_mm_s.max() / settings.maximum_node_speed_mm_s
+    speed = asked.looks.speed_mm_s.max() / settings.maximum_node_speed_mm_s
     return float(max(np.abs(asked.rate_share).max(), speed))
 
 
@@ -99,7 +105,7 @@ def summary(target: Target, present: Present, plant: Plant, settings: Controller
         rounds = f", of which the last {target.time_s[-1] - target.repeat_from_s:.1f} s repeat"
         lines.append(f"it takes {target.time_s[-1]:.1f} s{rounds if target.repeat else ''}")
         lines.append(
-            f"the fastest nodal point moves at {asked.speed_mm_s.max():.1f} of "
+            f"the fastest nodal point moves at {asked.looks.speed_mm_s.max():.1f} of "
             f"{settings.maximum_node_speed_mm_s:g} mm/s, and {axis_name(axis, plant.kinematics.tendons)} "
             f"at {100 * np.abs(asked.rate_share).max():.0f} % of its rate"
         )

@@ -146,7 +146,7 @@ def test_the_whole_body_keeps_clear(check_beside, stand_ins):
 def test_the_moment_of_a_path_that_comes_too_near_is_told(check_beside, stand_ins):
     # the circle is nearest to the wall a quarter of its ten seconds after its beginning
     with pytest.raises(
-        TooCloseError, match=r"at 2\.\d+ s the robot would be 0.9 mm inside region wall 80 mm along"
+        TooCloseError, match=r"at 2\.\d+ s the robot would be 1.0 mm inside region wall 80 mm along"
     ):
         check_beside(WALL)(stand_ins["circle"]())
 

@@ -124,3 +124,6 @@ def test_points_of_another_program_become_a_sighting():
     assert np.allclose(seen.shape.node_covariance_mm2, 0.04 * np.eye(3))
     with pytest.raises(InvalidMessageError, match="node_mm"):
         sighting_of(("tip",), [80.0], [[np.nan, 2.0, 83.0]], age_s=0.01, standard_deviation_mm=0.2)
+    for never in (np.nan, np.inf):
+        with pytest.raises(InvalidMessageError, match="the age must be finite"):
+            sighting_of(("tip",), [80.0], [[1.0, 2.0, 83.0]], age_s=never, standard_deviation_mm=0.2)

@@ -131,7 +131,7 @@ def test_other_robots_find_their_way_too(stand_ins, random, sections, single, st
 def test_why_there_is_no_way_is_said(scene, stand_ins):
     settings, plant, space = scene
     with pytest.raises(
-        TooCloseError, match=r"at 0 s the robot would be 5.. mm inside region lamp 80 mm along"
+        TooCloseError, match=r"at 0 s the robot would be 6.0 mm inside region lamp 80 mm along"
     ):
         plan(target_of((22.0, 0.0, 62.0)), ARCS, space.straight(0.0), plant, settings)
     inside = Wanted(place_mm=np.array([[[20.0, 0.0, 70.0]]]), arc_mm=np.array([80.0]), weights=np.ones(1))
