@@ -91,7 +91,8 @@ class TravelError(FaultError):
 
     code = "travel"
     advice = (
-        "`nodal do home` takes the present place as the new zero. If it comes again, the target asks for more than the robot "
+        "`nodal do home` takes the present place of tendons as their new zero; a stage must be brought back, or its zero "
+        "corrected (docs/servos.md). If it comes again, the target asks for more than the robot "
         "has, or `controller.limits` are narrower than the tendons need."
     )
 
@@ -149,7 +150,7 @@ class TendonSlackError(FaultError):
 
 
 class WrongWayError(FaultError):
-    """Homing pulled an axis, and the robot went the opposite way from the model."""
+    """Homing pulled an axis, and the robot went another way than the model."""
 
     code = "wrong_way"
     advice = (

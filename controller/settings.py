@@ -136,7 +136,7 @@ class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     """What happens when nobody is there any more."""
 
     heartbeat_s: Annotated[float, msgspec.Meta(ge=0, le=60)] = 0.0
-    """Without an operator's heartbeat for this long a target is no longer followed: the tendons hold. 0 needs no heartbeat."""
+    """Without an operator's heartbeat for this long the tendons hold: targets, homing and jogs end. 0 needs no heartbeat."""
     hold_s: Seconds = 10.0
     """After this long without a heartbeat in any state with torque the tendons are let go."""
 

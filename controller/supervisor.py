@@ -170,7 +170,7 @@ def next_state(
     """What follows in this cycle, and for each happening whether it was allowed.
 
     Faults come first and only where there is torque to lose; the first one is kept. A fault and a stop make everything
-    that happened beside them void.
+    that happened beside them void. An operator who is lost is the reason from then on, in a hold too.
     """
     only_stop = any(happening.event is Event.STOP for happening in happenings)
     if faults and current.mode.torque:
@@ -179,6 +179,7 @@ def next_state(
     for happening in happenings:
         following = TRANSITIONS.get((current.mode, happening.event))
         allowed.append(following is not None and (not only_stop or happening.event is Event.STOP))
-        if allowed[-1] and following not in (None, current.mode):
+        told = following is not current.mode or happening.event is Event.OPERATOR_LOST
+        if allowed[-1] and told and following is not None:
             current = Supervision(mode=following, reason=happening.reason, since_s=now_s)
     return current, tuple(allowed)

@@ -249,6 +249,8 @@ def test_nothing_goes_on_moving_without_its_operator(watched, leave, mode):
     still = np.array([command_mm for after_s, command_mm in sent.items() if after_s > 0.51])
     assert len(still) > 100
     assert (np.ptp(still, axis=0) == 0).all()
+    held = [moment.outputs.reason for moment in moments if moment.state.mode == mode]
+    assert held[-1] == "no operator's heartbeat for more than 0.5 s"
     assert first_fault(moments).state.supervision.fault.code == "operator_lost"
 
 
