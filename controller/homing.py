@@ -51,7 +51,8 @@ class SlackSearch:
 
     def words(self, search: Search) -> str:
         """What is being done."""
-        doing = "tightening" if search.stroke is Stroke.TIGHTEN else "finding the slack of"
+        tightens = search.stroke in (Stroke.TIGHTEN, Stroke.LOOK)
+        doing = "tightening" if tightens else "finding the slack of"
         return f"{doing} {self._name(search)}"
 
     def step(
@@ -85,7 +86,11 @@ class SlackSearch:
             case Stroke.TIGHTEN:
                 search, tight = self._answered(search, self._sight(search, seen))
                 if tight:
+                    return dataclasses.replace(search, stroke=Stroke.LOOK, since_s=now_s), command_mm, False
+            case Stroke.LOOK:
+                if self._looked(search, seen):
                     return self._next(search, command_mm, drive, now_s)
+                return search, command_mm, False
             case Stroke.MIDDLE if abs(command_mm[axis] - search.goal_mm) < _THERE_MM:
                 return self._next(search, command_mm, drive, now_s)
         most_mm = self._settings.probe_mm_s * dt_s
@@ -157,6 +162,21 @@ class SlackSearch:
         if pulls and search.moved_mm >= seen_mm:
             raise self._wrong(search, 0.0)
         return search, pulls
+
+    def _looked(self, search: Search, seen: Seen | None) -> bool:
+        """Whether a shape shows what the pull did; raises WrongWayError when the robot was pulled elsewhere, though less far
+        than is waited for.
+        """
+        if seen is None or seen.capture_s < search.since_s:
+            return False
+        sight = self._sight(search, seen)
+        if (
+            sight is not None
+            and sight.moved_mm >= self._rest_of(search).seen_mm / 2
+            and sight.cosine < _SAME_WAY
+        ):
+            raise self._wrong(search, sight.cosine)
+        return True
 
     def _pull_ma(self, search: Search) -> float:
         """By how much the current has risen. A tendon can only resist being pulled, so one that lets go of a load that the
@@ -247,7 +267,7 @@ class SlackSearch:
         )
 
     def _wrong(self, search: Search, cosine: float) -> FaultError:
-        how = "the opposite way" if cosine < 0 else "sideways"
+        how = "the opposite way" if cosine <= -_SAME_WAY else "sideways"
         return WrongWayError(
             f"{self._name(search)} was pulled, and the robot went {how}: wired or signed the wrong way",
             value=cosine,

@@ -22,6 +22,8 @@ class Stroke(StrEnum):
     MIDDLE = "middle"
     """Go to the middle of the lost motion."""
     TIGHTEN = "tighten"
+    LOOK = "look"
+    """Stand still until it is seen where the robot was pulled."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.control.paths import CIRCLE, TIP
-from controller.settings import ControllerSettings, HomingSettings, LimitSettings, SectionTendons
+from controller.settings import ControllerSettings, LimitSettings, SectionTendons
 from drivers.simulated.robot.settings import SectionSettings, SimulatedRobotSettings
 from drivers.simulated.servos.settings import MotorSettings
 from messaging.control import Target
@@ -23,7 +23,7 @@ STAGE_MM, LOWERED_MM = 5.0, 3.0
 """How far above, or below, a straight robot's tip its circle lies."""
 EASY_SERVOS = ServoSettings(tendon_mm_per_rad=10.0, motor=MotorSettings(friction_Nm=0.02))
 """Single tendons are kept tight by their currents, so their servos must feel a few newtons in spite of their own friction."""
-EASY_HOMING, EASY_LIMITS = HomingSettings(tension_ma=30.0), LimitSettings(least_tension_ma=15.0)
+EASY_LIMITS = LimitSettings(least_tension_ma=15.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +87,6 @@ def _robot(
             limits=msgspec.structs.replace(
                 EASY_LIMITS if single else LimitSettings(), displacement_mm=5.0 * count
             ),
-            homing=EASY_HOMING if single else HomingSettings(),
         ),
         robot=RobotSettings(section_length_mm=(SECTION_MM,) * count, stage=stage),
         circle=circle(

@@ -176,14 +176,15 @@ def test_a_tendon_that_is_let_out_is_not_tight(bench_of, let_out_ma):
     [([0, 2, 1, 3, 4, 5, 6], "the opposite way"), ([0, 4, 2, 3, 1, 5, 6], "sideways")],
     ids=["of one section", "of two sections"],
 )
-def test_single_tendons_that_are_swapped_pull_elsewhere(bench_of, connected, how):
-    """The current rises as it should, once the robot has been seen to move."""
+@pytest.mark.parametrize("ma_per_mm", [100, 500], ids=["current rises last", "current rises first"])
+def test_single_tendons_that_are_swapped_pull_elsewhere(bench_of, connected, how, ma_per_mm):
+    """However little the robot has moved by the time that the current has risen as it should."""
     angles_deg = (0.0, 120.0, 240.0), (90.0, 210.0, 330.0)
     settings = ControllerSettings(sections=tuple(SectionTendons(tendon_angle_deg=a) for a in angles_deg))
     bench = bench_of(settings=settings, play_mm=0.0)
     straight = bench.robot.move
     bench.robot.move = lambda command_mm, dt_s: straight(command_mm[connected], dt_s)
-    bench.servos.pull_ma = lambda pulled_mm: 100 * np.clip(pulled_mm, 0, None)
+    bench.servos.pull_ma = lambda pulled_mm: ma_per_mm * np.clip(pulled_mm, 0, None)
     fault = homing(bench)[-1]
     assert f"tendon 2 was pulled, and the robot went {how}" in fault.outputs.reason
     assert fault.state.supervision.fault.code == "wrong_way"
