@@ -27,8 +27,8 @@ _HOMED_FOR_JOGS = (Mode.READY, Mode.HOLD)
 _JOG_PLACES = 6
 """At so many places of a jog's way it is looked at how near regions are."""
 _NEARER_MM = 1e-6
-_LARGEST_TARGET = 10_000
-"""Positions of a target, moments times nodal points, that are looked at within a cycle or two."""
+_LARGEST_TARGET = 5000
+"""Positions of a target, moments times nodal points: more take longer to be looked at than a few cycles."""
 
 
 def is_order(request: Request) -> TypeGuard[ActionRequest]:

@@ -106,12 +106,10 @@ def test_an_order_that_ends_in_a_fault_was_not_accepted_nor_was_what_came_beside
 
 
 def test_a_target_of_too_many_positions_is_refused_in_words(homed, stand_ins):
-    seconds = np.linspace(0.0, 600.0, 10_001)
+    seconds = np.linspace(0.0, 600.0, 5001)
     long = stand_ins["led"](seconds, np.tile([0.0, 0.0, 82.0], (len(seconds), 1)))
     _, (reply,) = homed.run(PERIOD_S, long)
-    assert reply.reason == (
-        "target path: 10001 moments of 1 nodal points; their product may be 10000 at most"
-    )
+    assert reply.reason == ("target path: 5001 moments of 1 nodal points; their product may be 5000 at most")
 
 
 @pytest.mark.parametrize("ended", ["stop", "alarm", "relax", "abort"])
