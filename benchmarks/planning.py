@@ -33,6 +33,7 @@ LENGTH_MM = 80.0
 PLACES_MM = ((-55.0, -55.0, 15.0), (55.0, 55.0, 115.0))
 RADIUS_MM = (4.0, 14.0)
 CLOSER = 5
+PATH_S = 80.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -141,7 +142,7 @@ def _closely(scene: Scene, found: Plan) -> float:
 
 
 def check_lines() -> Iterator[str]:
-    """What it costs to check a circle of 120 places, with and without regions, accepted and refused."""
+    """What it costs to check circles of 120 places and a path of 2000, with and without regions, accepted and refused."""
     robot = RobotSettings(section_length_mm=(LENGTH_MM / 2, LENGTH_MM / 2))
     regions = (
         Sphere(name="lamp", centre_mm=(30.0, 30.0, 60.0), radius_mm=10.0),
@@ -149,31 +150,52 @@ def check_lines() -> Iterator[str]:
         HalfSpace(name="wall", point_mm=(-35.0, 0.0, 0.0), normal=(1.0, 0.0, 0.0)),
     )
     start_mm = np.array([[0.0, 0.0, LENGTH_MM]])
+    asked = {
+        "circle in reach": _circle(85.0, 15.0),
+        "circle bent": _circle(70.0, 15.0),
+        "circle far out": _circle(40.0, 60.0),
+        "circle too far": _circle(40.0, 80.0),
+        "path of 2000 places": _long_path(),
+    }
     works = {}
-    for height_mm, radius_mm, what in (
-        (85.0, 15.0, "in reach"),
-        (70.0, 15.0, "bent"),
-        (40.0, 60.0, "too far"),
-    ):
-        circle = targets.circle(
-            "tip", radius_mm=radius_mm, period_s=40.0, height_mm=height_mm, centre_mm=(0.0, 0.0)
-        )
+    for what, target in asked.items():
         for forbidden in ((), regions):
             settings = ControllerSettings(forbidden=forbidden)
             plant = Plant.of(settings, robot)
 
             def check(
-                circle: Target = circle, plant: Plant = plant, settings: ControllerSettings = settings
+                target: Target = target, plant: Plant = plant, settings: ControllerSettings = settings
             ) -> bool:
                 try:
-                    check_target(circle, {"tip": LENGTH_MM}, plant, settings, start_mm=start_mm)
+                    check_target(target, {"tip": LENGTH_MM}, plant, settings, start_mm=start_mm)
                 except TargetError:
                     return False
                 return True
 
             works[f"{what}, {len(forbidden)} regions: {'accepted' if check() else 'refused'}"] = check
     for name, median_s in medians_s(works, CHECKS).items():
-        yield f"check of a circle {name:40} {1e3 * median_s:6.1f} ms"
+        yield f"check of a {name:40} {1e3 * median_s:6.1f} ms"
+
+
+def _circle(height_mm: float, radius_mm: float) -> Target:
+    return targets.circle(
+        "tip", radius_mm=radius_mm, period_s=40.0, height_mm=height_mm, centre_mm=(0.0, 0.0)
+    )
+
+
+def _long_path() -> Target:
+    """Round and round, each round a little wider, through 2000 places."""
+    turn, radius_mm = np.linspace(0, 16 * np.pi, 2000), np.linspace(5, 25, 2000)
+    places = np.stack([radius_mm * np.cos(turn), radius_mm * np.sin(turn), np.full(2000, 85.0)], axis=-1)
+    gone_mm = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
+    return Target(
+        name="path",
+        node_names=("tip",),
+        weights=np.ones(1),
+        time_s=gone_mm * PATH_S / gone_mm[-1],
+        position_mm=places[:, None],
+        repeat=False,
+    )
 
 
 def main() -> None:

@@ -175,9 +175,11 @@ def _check_approach(target: Target, asked: Demands, start_mm: Array, space: Spac
     """Straight on from where nodal points are, as a Reference leads them."""
     looks = asked.looks.straight_to(start_mm[target.weights > 0], space.look_mm)
     _check_length(target, looks, space)
-    _, nearest = lead_body(
-        space, looks.wanted.at(looks.body), near_enough_mm=within_mm / 2, start=asked.configurations[0]
-    )
+    nearest = space.nearest_of(looks.place_mm, looks.wanted.arc_mm)
+    # where nodal points are now was not asked for: they are taken to be as near to it as they may miss a place
+    if nearest is None or nearest.spare_mm >= -within_mm:
+        wanted, start = looks.wanted.at(looks.body), asked.configurations[0]
+        _, nearest = lead_body(space, wanted, near_enough_mm=within_mm / 2, start=start)
     if nearest is not None and nearest.spare_mm < 0:
         raise TooCloseError(
             f"target {target.name}: on the straight way to its beginning {say_too_close(nearest, space.plant)}; "

@@ -52,7 +52,7 @@ def check(target, *regions, robot=ROBOT, start_mm=None, **others):
 
 def ball(random, place_mm, spare_mm, keep_clear_mm):
     """One that this place is `spare_mm` farther away from than it must be."""
-    radius, way = random.uniform(0.2, 8.0), random.normal(size=3)
+    radius, way = random.uniform(0.2, 2.0), random.normal(size=3)
     centre = place_mm + (radius + keep_clear_mm + spare_mm) * way / np.linalg.norm(way)
     return Sphere(name="ball", centre_mm=tuple(centre.tolist()), radius_mm=radius)
 
@@ -72,10 +72,10 @@ def test_no_path_leads_the_tip_into_a_ball(seed, rows, keep_clear_mm):
 @given(seed=seeds)
 def test_no_straight_way_to_the_beginning_leads_the_tip_into_a_ball(seed):
     random = np.random.default_rng(seed)
-    begin, start = [0, 0, 85] + random.uniform(-15, 15, (2, 3)) * [1, 1, 0.2]
-    lamp = ball(random, start + random.uniform(0, 1) * (begin - start), -4.0, 5.0)
+    begin, start = [0, 0, 85] + random.uniform(-25, 25, (2, 3)) * [1, 1, 0.2]
+    lamp = ball(random, start + random.uniform(0, 1) * (begin - start), -1.1, 1.0)
     with pytest.raises(TooCloseError, match="region ball"):
-        check(led([begin]), lamp, start_mm=start[None])
+        check(led([begin]), lamp, start_mm=start[None], keep_clear_mm=1.0)
 
 
 @settings(max_examples=30, deadline=None)

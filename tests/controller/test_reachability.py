@@ -143,6 +143,13 @@ def test_the_whole_body_keeps_clear(check_beside, stand_ins):
     check_beside(LAMP)(stand_ins["pose"]((-17.0, 0.0, 75.0)))
 
 
+def test_a_path_with_a_clear_way_to_reach_it_is_not_refused_for_another(check_beside, stand_ins):
+    """Bent one way for half of this circle and the other way for the rest, the body would come through the knob."""
+    lamp = Sphere(name="lamp", centre_mm=(30.0, 30.0, 60.0), radius_mm=10.0)
+    knob = Sphere(name="knob", centre_mm=(0.0, -30.0, 40.0), radius_mm=10.0)
+    check_beside(lamp, knob)(stand_ins["circle"](radius_mm=15.0, z_mm=70.0, period_s=40.0))
+
+
 def test_the_moment_of_a_path_that_comes_too_near_is_told(check_beside, stand_ins):
     # the circle is nearest to the wall a quarter of its ten seconds after its beginning
     with pytest.raises(

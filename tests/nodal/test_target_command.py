@@ -199,6 +199,19 @@ def test_a_way_round_is_planned_where_it_must_be_and_where_it_is_asked_for(bench
     assert "from the present shape leads to its beginning" in capsys.readouterr().out
 
 
+def test_a_planned_way_does_not_pretend_to_keep_an_acceleration(bench_file, capsys):
+    pace = ["--timing", "trapezoid", "--acceleration", "20", "--check"]
+    line = ["line", "tip", "-10,0,85", "10,0,85", *pace]
+    assert target(bench_file, *line) == 0
+    assert target(bench_file, *line, "--plan") == 2
+    assert (
+        "does not keep to an acceleration of 20 mm/s²; go to its beginning first" in capsys.readouterr().err
+    )
+    behind = ["line", "tip", "35,0,60", "35,5,60", *pace]
+    assert target(bench_file, *behind) == 2
+    assert "does not keep to an acceleration" in capsys.readouterr().err
+
+
 def test_a_jog_begins_where_the_point_is_led_or_seen(bench_file):
     _, space = space_of(bench_file)
     shape = shape_of(space, space.straight(5.0))

@@ -51,6 +51,18 @@ def test_the_nearest_region_is_named_with_where_and_how_near(stand_ins):
     np.testing.assert_allclose(space.spare_mm(space.straight(0.0)), nearest.spare_mm)
 
 
+def test_what_stands_between_two_configurations_is_found(stand_ins):
+    space = Space(stand_ins["plant"](stand_ins["settings"](forbidden=(stand_ins["LAMP"],))))
+    low, high = np.array([[3.6, 0, 3.6, 0, 0], [1.5, 0, 1.5, 0, 40.0]])
+    way = np.stack([low, low, high])
+    assert space.nearest(way).spare_mm > 0
+    nearest = space.nearest_between(way)
+    assert nearest.spare_mm < 0
+    assert nearest.index in (1, 2), "counted by the configurations on both sides of it"
+    assert nearest.spare_mm == pytest.approx(space.nearest_between(way[::-1]).spare_mm)
+
+
 def test_without_regions_all_is_clear(any_space):
     assert any_space.nearest(any_space.straight(0.0)[None]) is None
+    assert any_space.nearest_between(any_space.straight(0.0)[None]) is None
     assert any_space.spare_mm(any_space.straight(0.0)) == np.inf
