@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from controller.errors import TooCloseError, TooFastError, TooLongError, UnreachableError
 from controller.limits import axis_name
+from controller.planning.leading import lead_body
 from controller.planning.looks import Looks, look_along
 from controller.planning.rates import rate_shares
-from controller.planning.solving import Wanted, lead_body, missed_mm
+from controller.planning.solving import Wanted, missed_mm
 from controller.planning.space import Encroachment, Space
 from controller.plant import Plant
 from controller.settings import ControllerSettings

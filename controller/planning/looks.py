@@ -21,6 +21,9 @@ _FINER = 8
 """How many times nearer to one another than bodies nodal points alone are looked at: they cost little."""
 _MOST = 2000
 """Bodies of one path, more or less."""
+_LEAST_S = 1e-12
+_SPLITS = 5
+"""More are never needed, unless a path jumps in no time at all; then it is too fast."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,8 +48,11 @@ class Looks:
 
     @property
     def speed_mm_s(self) -> Array:
-        """(k, n)."""
+        """(k, n); of a jump in next to no time too, and infinite where numbers are too large to tell."""
         speed: Array = np.linalg.norm(self.velocity_mm_s, axis=-1)
+        gone_mm = np.linalg.norm(np.diff(self.place_mm, axis=0), axis=-1)
+        speed[1:] = np.maximum(speed[1:], gone_mm / np.maximum(np.diff(self.time_s), _LEAST_S)[:, None])
+        speed[~np.isfinite(speed)] = np.inf
         return speed
 
     def straight_to(self, place_mm: Array, apart_mm: float) -> "Looks":
@@ -81,7 +87,9 @@ def look_along(target: Target, node_arc_mm: Mapping[str, float], apart_mm: float
     steps_mm = _steps_mm(path.node_mm[:, driven])
     length_mm = float(steps_mm.sum())
     apart_mm = max(apart_mm, length_mm / _MOST)
-    while (steps_mm > apart_mm / _FINER).any():
+    for _ in range(_SPLITS):
+        if not (steps_mm > apart_mm / _FINER).any():
+            break
         time_s = _split(time_s, np.ceil(steps_mm * _FINER / apart_mm))
         path = along(target, time_s)
         steps_mm = _steps_mm(path.node_mm[:, driven])

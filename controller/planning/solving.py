@@ -10,13 +10,12 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.planning.space import Encroachment, Space, interpolated
+from controller.planning.space import Space, interpolated
 
 Array = NDArray[np.float64]
 
 _COARSE, _COARSER = 9, 8
 """Of a path so many moments are solved first, or every so-manieth."""
-_FOLLOWED = 12
 _START_BEND_RAD = 0.8
 _STEPS = 40
 _DAMPING_MM = 0.3
@@ -87,7 +86,7 @@ def bent_starts(space: Space, wanted: Wanted) -> Array:
 def solve_path(space: Space, wanted: Wanted, *, near_enough_mm: float, start: Array | None = None) -> Array:
     """(k, C) configurations along a path, from `start` (C,), or from whichever start leads nearest and clear of regions."""
     moments = len(wanted.place_mm)
-    some = _spread(moments, max(_COARSE, moments // _COARSER))
+    some = spread(moments, max(_COARSE, moments // _COARSER))
     coarse = wanted.at(some)
     first = start_of(space, coarse) if start is None else np.tile(start, (len(some), 1))
     solved = solve(space, coarse, first, near_enough_mm=near_enough_mm)
@@ -111,44 +110,7 @@ def solve_path(space: Space, wanted: Wanted, *, near_enough_mm: float, start: Ar
     return solved
 
 
-def lead_body(
-    space: Space, wanted: Wanted, *, near_enough_mm: float, start: Array | None = None
-) -> tuple[Array, Encroachment | None]:
-    """The same, and where the body comes nearest to a region, between moments too.
-
-    If that is too near, the path is followed step by step as well: then there are no jumps from one way of reaching places
-    to another.
-    """
-    solved = solve_path(space, wanted, near_enough_mm=near_enough_mm, start=start)
-    nearest = space.nearest_between(solved)
-    if nearest is None or nearest.spare_mm >= 0:
-        return solved, nearest
-    first = wanted.at(slice(1))
-    starts = (
-        np.concatenate([start_of(space, first), *bent_starts(space, first)]) if start is None else start[None]
-    )
-    followed = _follow(space, wanted, starts, near_enough_mm)
-    if shortfall(space, wanted, followed, near_enough_mm).any():
-        return solved, nearest
-    return followed, space.nearest_between(followed)
-
-
-def _follow(space: Space, wanted: Wanted, starts: Array, near_enough_mm: float) -> Array:
-    """(k, C) each from the one before, from whichever of the starts (b, C) leads nearest, clear and with least motion."""
-    some = _spread(len(wanted.place_mm), _FOLLOWED)
-    here, led = starts, []
-    for moment in some:
-        here = solve(space, wanted.at(np.full(len(starts), moment)), here, near_enough_mm=near_enough_mm)
-        led.append(here)
-    ways = np.stack(led, axis=1)
-    failing = [shortfall(space, wanted.at(some), way, near_enough_mm).max() for way in ways]
-    swept = space.sweep_mm(np.diff(ways, axis=1)).sum(axis=-1)
-    best = ways[np.lexsort((swept, failing))[0]]
-    each = np.arange(len(wanted.place_mm))
-    return solve(space, wanted, interpolated(each, some, best), near_enough_mm=near_enough_mm)
-
-
-def _spread(moments: int, count: int) -> NDArray[np.intp]:
+def spread(moments: int, count: int) -> NDArray[np.intp]:
     """So many of the moments, or all, spread evenly."""
     return np.unique(np.linspace(0, moments - 1, count).round().astype(np.intp))
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controller.errors import TooCloseError, TooLongError, UnreachableError
+from controller.errors import TooCloseError, TooFastError, TooLongError, UnreachableError
 from controller.path import along
 from controller.planning.looks import look_along
 from controller.planning.space import Space
@@ -131,3 +131,17 @@ def test_looks_are_no_farther_apart_than_they_are_said_to_be(seed, rows, repeat)
     between_mm = np.diff(np.interp(looks.time_s[looks.body], fine, fine_mm))
     assert (between_mm <= looks.apart_mm + 0.1).all()
     assert set(looks.body[[0, -1]]) == {0, len(looks.time_s) - 1}
+
+
+@pytest.mark.parametrize("far_mm", [10.0, 1e300])
+def test_a_jump_in_no_time_is_too_fast(far_mm):
+    target = Target(
+        name="path",
+        node_names=("tip",),
+        weights=[1.0],
+        time_s=[0.0, 1.0, np.nextafter(1.0, 2.0), 2.0],
+        position_mm=MIDDLE_MM + np.array([0.0, 0.0, far_mm, far_mm])[:, None, None] * [1.0, 0.0, 0.0],
+        repeat=False,
+    )
+    with np.errstate(all="ignore"), pytest.raises(TooFastError, match="tip moves at"):
+        check(target, FAR_WALL)
