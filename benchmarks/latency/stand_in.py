@@ -24,6 +24,7 @@ from drivers.simulated.cameras.worker import Exposure, Setup
 from drivers.simulated.mechanism import Mechanism
 from drivers.simulated.robot.robot import SimulatedRobot
 from drivers.simulated.servos.emulated import EmulatedServos
+from drivers.simulated.stage_place import StagePlace
 from messaging.frames import Frame
 from messaging.session import Session, open_session
 from messaging.topics import SIMULATED_CAMERA
@@ -66,7 +67,9 @@ def stand_in(bench_file: Path, playing: Event, stop: Event) -> None:
             len(bench.rig), simulation.cameras.sensor, time.monotonic_ns(), simulation.seed
         )
         photographs = _Photographs(bench, session, schedule)
-        mechanism = Mechanism(SimulatedRobot(simulation.robot), servos, simulation.drive)
+        mechanism = Mechanism(
+            SimulatedRobot(simulation.robot), servos, simulation.drive, StagePlace(simulation.servos.link)
+        )
         period_s = 1 / simulation.step_rate_hz
         due_s = time.monotonic()
         with camera_processes(_setups(bench), stop.is_set) as renderers:

@@ -16,6 +16,7 @@ from drivers.simulated.mechanism import Mechanism
 from drivers.simulated.robot.robot import SimulatedRobot
 from drivers.simulated.servos.emulated import EmulatedServos
 from drivers.simulated.settings import SimulationSettings
+from drivers.simulated.stage_place import StagePlace
 from messaging import topics
 from messaging.frames import CameraCalibration
 from messaging.session import Session
@@ -54,13 +55,13 @@ def run(
         )
         for number, calibration in enumerate(calibrations)
     ]
-    period_ns = int(NS_PER_S / settings.step_rate_hz)
+    period_ns, place = int(NS_PER_S / settings.step_rate_hz), StagePlace(settings.servos.link)
     sys.setswitchinterval(0.0002)  # the servos' thread answers the bus while this one computes
     with (
         camera_processes(setups, stop.is_set) as cameras,
         EmulatedServos(settings.servos) as servos,
     ):
-        mechanism = Mechanism(robot, servos, settings.drive)
+        mechanism = Mechanism(robot, servos, settings.drive, place)
         due_ns = time.monotonic_ns()
         photographer = _Photographer(settings, cameras, float(section_end_mm[-1]), session, due_ns)
         while not stop.is_set():
@@ -75,6 +76,7 @@ def run(
                     "%.2f s late: that time is left out, the robot stood still", behind_ns / NS_PER_S
                 )
             stop.wait(max(0, due_ns - time.monotonic_ns()) / NS_PER_S)
+    place.forget()
 
 
 class _Photographer:

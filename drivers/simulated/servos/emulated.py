@@ -60,6 +60,11 @@ class EmulatedServos:
         with self._lock:
             return tuple(servo.torque_enabled for servo in self._bus.servos)
 
+    def stand_at(self, number: int, place_rad: float) -> None:
+        """The servo in this place of `settings.ids` powers on with its horn here."""
+        with self._lock:
+            self._bus.servos[number].stand_at(place_rad)
+
     def step(self, dt_s: float, load_torque_Nm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Move on by `dt_s` under loads (n,), and return the horns' angles in rad (n,), counted from power-on over turns.
 

@@ -220,6 +220,12 @@ class Servo:
     def _ticks_at_zero(self) -> int:
         return HORN_AT_START_TICKS + self.memory["homing_offset"] - 4096 * self._turns_forgotten
 
+    def stand_at(self, place_rad: float) -> None:
+        """Power on here, counted from the horn's zero over turns."""
+        self.motor.position_rad = place_rad
+        self.motor.hold_here()
+        self._begin_turns()
+
     def _begin_turns(self) -> None:
         """Count turns anew, and want to be where it is."""
         self._turns_forgotten = math.floor((self.motor.position_rad / TICK_RAD + HORN_AT_START_TICKS) / 4096)
