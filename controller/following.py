@@ -24,6 +24,10 @@ class Following:
         """Servos that are where they were sent."""
         return cls(lagging_mm=command_mm, sag_mm=np.zeros(len(command_mm)))
 
+    def resting(self, command_mm: Array) -> Self:
+        """The same servos when they have come to where they are sent, as far as they do."""
+        return dataclasses.replace(self, lagging_mm=command_mm)
+
     def then(self, command_mm: Array, position_mm: Array, dt_s: float, lag_s: float) -> Self:
         """After `dt_s` more under this command, with servos that report `position_mm` and lag behind by `lag_s`."""
         lagging_mm = nearer(self.lagging_mm, command_mm, dt_s / lag_s)

@@ -28,7 +28,7 @@ from controller.plant import Plant
 Array = NDArray[np.float64]
 
 _LED_ON_S = 0.1
-"""After a longer pause it is anybody's guess where axes stand in their lost motion."""
+"""After a longer pause the robot is seen anew: something else may have moved it."""
 
 
 class Tuning(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -85,17 +85,17 @@ class ResolvedRate:
     def start(self, beginning: Beginning[ResolvedRateState]) -> ResolvedRateState:
         """See `Law`. What was learnt of the robot is kept, whichever points are led."""
         before, measured, command_mm = beginning.before, beginning.measured, beginning.command_mm
-        if before is not None and beginning.now_s - before.history.times_s[-1] < _LED_ON_S:
+        if before is None:
+            axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
+            history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
+            belief = self._learning.begin(measured, axes, beginning.lost_motion_mm)
+        elif beginning.now_s - before.history.times_s[-1] < _LED_ON_S:
             axes, history, following = before.axes, before.history, before.following
             belief = self._learning.at_points(before.belief, measured, axes)
         else:
-            axes = Axes(position_mm=command_mm, engaged=np.zeros(len(command_mm)))
-            history, following = History.of(beginning.now_s, _stacked(axes)), Following.at_rest(command_mm)
-            belief = (
-                self._learning.begin(measured, axes, beginning.lost_motion_mm)
-                if before is None
-                else self._learning.seen_anew(before.belief, measured, axes)
-            )
+            axes, following = self._told(before, command_mm), before.following.resting(command_mm)
+            history = History.of(beginning.now_s, _stacked(axes))
+            belief = self._learning.seen_anew(before.belief, measured, axes)
         return ResolvedRateState(
             points=beginning.points,
             belief=belief,
@@ -114,17 +114,21 @@ class ResolvedRate:
             then = Axes(position_mm=position_mm, engaged=engaged)
             belief = self._learning.corrected(state.belief, inputs.measured, then)
             state = dataclasses.replace(state, belief=belief)
+        told = self._told(state, inputs.command_mm)
         width_mm, engaging_mm = self._learning.lost_motion_mm(state.belief), self._tuning.engaging_mm
-        told_mm = inputs.command_mm - state.following.sag_mm
-        moving = told_mm - state.axes.position_mm
-        told = Axes(
-            position_mm=told_mm, engaged=engaged_after(state.axes.engaged, moving, width_mm, engaging_mm)
-        )
         if inputs.measured is not None or inputs.now_s - state.planned_s > PLAN_S:
             rate = self._plan(state, told, width_mm, inputs)
             state = dataclasses.replace(state, rate_mm_s=rate, planned_s=inputs.now_s)
         motion = motion_for(state.rate_mm_s * inputs.dt_s, told.engaged, width_mm, engaging_mm)
         return state, inputs.command_mm + motion
+
+    def _told(self, state: ResolvedRateState, command_mm: Array) -> Axes:
+        """Where the axes will be once the servos have followed this command."""
+        position_mm = command_mm - state.following.sag_mm
+        width_mm = self._learning.lost_motion_mm(state.belief)
+        moving = position_mm - state.axes.position_mm
+        engaged = engaged_after(state.axes.engaged, moving, width_mm, self._tuning.engaging_mm)
+        return Axes(position_mm=position_mm, engaged=engaged)
 
     def _followed(self, state: ResolvedRateState, inputs: LawInputs) -> ResolvedRateState:
         """Where servos and robot have got to by now."""
