@@ -20,6 +20,8 @@ from nodal.running import stop_on_signals
 from recordings.errors import RecordingError
 
 LONGEST_S = 86_400.0
+HOMED_WITHIN_S = 11.0
+"""What starting and homing take besides, about."""
 INTERRUPTED = 130
 
 
@@ -44,7 +46,8 @@ def _close_the_loop(launcher: Launcher, bench: Bench, scenario: Scenario, folder
     with open_session(settings.zenoh, settings.name, "demo") as session:
         telemetry = Telemetry(session)
         operator = Operator(session, launcher, telemetry)
-        with Progress(launcher, telemetry, _middle(bench), scenario.duration_s) as progress:
+        seconds = scenario.duration_s + HOMED_WITHIN_S
+        with Progress(launcher, telemetry, _middle(bench), seconds) as progress:
             progress.say(f"demo in {folder.path}: starting the bench")
 
             def on_turn() -> None:
