@@ -3,7 +3,7 @@
 import dataclasses
 import time
 
-_MOST_PERIODS = 4
+MOST_PERIODS = 4
 """How many missed periods a command may make up for at once."""
 
 
@@ -43,6 +43,6 @@ class Pace:
             cycle=self._count,
             now_s=now_s,
             lateness_s=max(now_s - deadline_s, 0.0),
-            dt_s=min(missed + 1, _MOST_PERIODS) * self.period_s,
+            dt_s=min(missed + 1, MOST_PERIODS) * self.period_s,
             overruns=self._overruns,
         )

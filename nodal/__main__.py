@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from messaging.errors import NodalError
 from nodal.arithmetic import pin
+from nodal.exit_status import ERROR, INTERRUPTED
 
 COMMANDS = {
     "demo": "bring up the whole bench, drive the tip along a circle, and report",
@@ -37,8 +38,6 @@ BENCH_MODULES = {
     "zenoh",
 }
 """What the extra `bench` brings; a base install embeds the controller and lacks them."""
-
-ERROR, INTERRUPTED = 2, 130
 
 
 def main(words: Sequence[str] | None = None) -> int:

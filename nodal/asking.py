@@ -8,8 +8,7 @@ from messaging.message import Message
 from messaging.session import Session, open_session
 from messaging.topics import Service
 from nodal.bench_file import load_bench
-
-REFUSED = 3
+from nodal.exit_status import REFUSED
 
 
 def ask(

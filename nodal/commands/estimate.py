@@ -3,7 +3,8 @@
 import argparse
 from pathlib import Path
 
-REFUSED = 3
+from nodal.exit_status import REFUSED
+
 METHODS = "refined", "plain"
 DEFAULT_NODES_MM = (10.0, 20.0, 40.0, 80.0)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodal.arguments import add_config_argument, add_timeout_argument
+from nodal.exit_status import REFUSED
 from nodal.target_arguments import TIMINGS, add_kind, add_pace, add_weight, named, numbers
 
 if TYPE_CHECKING:
@@ -89,7 +90,6 @@ def run(arguments: argparse.Namespace) -> int:
     from controller.errors import TargetError  # noqa: PLC0415
     from controller.planning.space import Space  # noqa: PLC0415
     from controller.plant import Plant  # noqa: PLC0415
-    from nodal.asking import REFUSED  # noqa: PLC0415
     from nodal.bench_file import load_bench  # noqa: PLC0415
 
     bench = load_bench(arguments.config).settings

@@ -16,13 +16,13 @@ from nodal.demo.progress import Progress
 from nodal.demo.scenario import SHORTEST_S, Scenario
 from nodal.demo.telemetry import Telemetry
 from nodal.errors import CommandError, ReportError
+from nodal.exit_status import INTERRUPTED
 from nodal.running import stop_on_signals
 from recordings.errors import RecordingError
 
 LONGEST_S = 86_400.0
 HOMED_WITHIN_S = 11.0
 """What starting and homing take besides, about."""
-INTERRUPTED = 130
 
 
 def perform(config: str, duration_s: float, out: Path | None, *, as_json: bool) -> int:

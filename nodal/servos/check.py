@@ -3,9 +3,9 @@
 import argparse
 
 from nodal.arguments import add_config_argument
+from nodal.exit_status import REFUSED
 
 SUMMARY = "compare every servo with the bench file, and say what to do about each difference"
-DIFFERENT = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(finding, flush=True)
         different = True
     if different:
-        return DIFFERENT
+        return REFUSED
     print(
         f"{len(settings.axes)} servos at {settings.port}, {settings.baud_rate} baud: as the bench file says"
     )

@@ -2,10 +2,10 @@
 
 import argparse
 
+from nodal.exit_status import REFUSED
 from nodal.servos.one import add_servo_arguments, one_servo
 
 SUMMARY = "restart one servo that has shut down by a hardware error; it comes back relaxed, without its turns"
-REFUSED = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -3,9 +3,9 @@
 import argparse
 
 from nodal.arguments import add_config_argument
+from nodal.exit_status import REFUSED
 
 SUMMARY = "write ids, baud rate, delays, limits and mode of a bench's servos, as far as they differ"
-REFUSED = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ from messaging.control import ControllerState, State
 from messaging.errors import CodecError, InvalidMessageError
 from messaging.session import Session
 from messaging.topics import CONTROLLER_STATE, HEARTBEAT
-from nodal.asking import REFUSED
+from nodal.exit_status import REFUSED
 
 _LOOK_S = 0.05
 _TELL_EVERY = 0.1

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from controller.cycle import Inputs, LoopState, Outputs, Request
 from controller.drive import Drive
 from controller.loop import Loop
+from controller.pace import MOST_PERIODS
 from controller.settings import ControllerSettings
 from controller.supervisor import Mode
 from messaging.control import Action, ActionRequest, Reply, Target
@@ -25,8 +26,6 @@ from nodal.virtual.settings import VirtualBenchSettings
 Array = NDArray[np.float64]
 
 _START_S = 100.0
-_MOST_PERIODS = 4
-"""How many missed cycles a command may make up for at once, as on a real bench."""
 
 
 class Controller(Protocol):
@@ -141,7 +140,7 @@ class VirtualBench:
         drive = self._drive.read(now_s)
         inputs = Inputs(
             now_s=now_s,
-            dt_s=min(self._missed + 1, _MOST_PERIODS) * self._period_s,
+            dt_s=min(self._missed + 1, MOST_PERIODS) * self._period_s,
             sighting=self.seeing.arrived(now_s),
             drive=drive,
             absence=self._drive.absence,

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from nodal.__main__ import ERROR, main
+from nodal.__main__ import main
+from nodal.exit_status import ERROR
 from nodal.log.check import UNHEALTHY
 from recordings import Log
 from recordings.copying import Copy

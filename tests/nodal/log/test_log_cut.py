@@ -7,7 +7,8 @@ import pytest
 from mcap.reader import make_reader
 
 from messaging.topics import CONTROLLER_MEMORY, CONTROLLER_STATE, SENSING_MEMORY
-from nodal.__main__ import ERROR, main
+from nodal.__main__ import main
+from nodal.exit_status import ERROR
 from nodal.log.events import KINDS
 from recordings import Log
 

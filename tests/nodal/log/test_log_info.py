@@ -7,7 +7,8 @@ from pathlib import Path
 import cv2
 import pytest
 
-from nodal.__main__ import ERROR, main
+from nodal.__main__ import main
+from nodal.exit_status import ERROR
 from recordings import Log
 
 RUN = Path(__file__).parents[2] / "data" / "run.mcap"

@@ -7,7 +7,8 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
-from nodal.__main__ import ERROR, main
+from nodal.__main__ import main
+from nodal.exit_status import ERROR
 from recordings import Log
 
 RUN = Path(__file__).parents[2] / "data" / "run.mcap"
