@@ -3,7 +3,6 @@
 import contextlib
 import gc
 import itertools
-import json
 import os
 import signal
 import subprocess
@@ -18,7 +17,7 @@ from messaging.control import Action, ActionRequest, Reply, TendonCommand
 from messaging.errors import CodecError, EndpointError, UnansweredError
 from messaging.session import open_rendezvous, open_session
 from messaging.settings import ZenohSettings
-from messaging.topics import CAMERA, CONTROLLER_DO, STOP, TENDON_COMMAND
+from messaging.topics import CAMERA, CONTROLLER_DO, TENDON_COMMAND
 
 COMMAND = TendonCommand(
     time_ns=1, displacement_mm=[1, 2, 3, 4], insertion_mm=5.0, shape_sequence=6, capture_to_command_ns=7
@@ -388,24 +387,3 @@ def test_settings_keep_to_loopback_unless_told_otherwise():
     settings = ZenohSettings()
     assert settings.rendezvous.startswith("tcp/127.0.0.1:")
     assert settings.listen.startswith("tcp/127.0.0.1:")
-
-
-def test_a_signal_counts_whoever_gives_it_and_whatever_it_holds(zenoh_settings, eventually):
-    with open_rendezvous(zenoh_settings, "bench"), contextlib.ExitStack() as stack:
-        hearing = stack.enter_context(open_session(zenoh_settings, "bench", "controller"))
-        giving = stack.enter_context(open_session(zenoh_settings, "bench", "operator"))
-        receiver, sender = hearing.hears(STOP), giving.gives(STOP)
-
-        def given(give):
-            give()
-            return receiver.heard()
-
-        eventually(lambda: given(sender.give))
-        while receiver.heard():
-            pass
-        button_box = zenoh.Config.from_json5(
-            json.dumps({"mode": "client", "connect": {"endpoints": [zenoh_settings.rendezvous]}})
-        )
-        with zenoh.open(button_box) as stranger:
-            eventually(lambda: given(lambda: stranger.put("nodal/bench/stop", b"\x00 not a message")))
-            eventually(lambda: given(lambda: stranger.delete("nodal/bench/stop")))
