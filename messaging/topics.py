@@ -12,6 +12,7 @@ from messaging.frames import Frame
 from messaging.history import Asked, Memory
 from messaging.message import Message
 from messaging.recorder import RecorderRequest
+from messaging.scene import SceneRequest
 from messaging.shape import NodalPoints, ShapeEstimate, Truth
 from messaging.views import (
     CameraPoseView,
@@ -231,7 +232,13 @@ RECORDER_DO = Service(
     answered_by="recorder",
     meaning="start, stop, save, status",
 )
-SERVICES = (CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES, RECORDER_DO)
+SIMULATION_SCENE = Service(
+    key="simulation/scene",
+    request=SceneRequest,
+    answered_by="simulation",
+    meaning="what stands before the simulated cameras: robot, empty, board, board_at_base",
+)
+SERVICES = (CONTROLLER_DO, CONTROLLER_TARGET, SENSING_NODES, RECORDER_DO, SIMULATION_SCENE)
 
 STOP = Signal(
     key="stop",

@@ -21,6 +21,9 @@ COMMANDS = {
     "simulate": "run the simulated bench: cameras, servos and robot",
     "sense": "run shape sensing",
     "control": "run the controller",
+    "cameras": "list cameras, write them into a bench file, look at their pictures and judge them",
+    "calibrate": "bring a bench up: board, cameras, robot frame, background, robot",
+    "calibration": "show, check and convert what was calibrated",
     "servos": "list, identify, set up and check the servos on a bus",
     "record": "run the recorder, or ask one that runs: start, stop, save, status",
     "report": "one page on a recording, or on several side by side",
@@ -30,11 +33,14 @@ COMMANDS = {
 BENCH_MODULES = {
     "cv2",
     "foxglove_schemas_protobuf",
+    "linuxpy",
     "lz4",
     "mcap",
     "mcap_protobuf",
     "rich",
     "scipy",
+    "tomlkit",
+    "yaml",
     "zenoh",
 }
 """What the extra `bench` brings; a base install embeds the controller and lacks them."""

@@ -7,7 +7,7 @@ from messaging.control import Reply
 from messaging.message import Message
 from messaging.session import Session, open_session
 from messaging.topics import Service
-from nodal.bench_file import load_bench
+from nodal.bench_file import read_bench
 from nodal.exit_status import REFUSED
 
 
@@ -22,7 +22,7 @@ def ask(
 
     `and_tell` may find out more that is to be said on a line of its own.
     """
-    settings = load_bench(config).settings
+    settings = read_bench(config).settings
     with open_session(settings.zenoh, settings.name, "operator") as session:
         reply = answer(session, service, request, timeout_s)
         more = and_tell(session, reply)

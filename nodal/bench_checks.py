@@ -8,12 +8,21 @@ from messaging.frames import CameraCalibration
 from nodal.errors import BenchFileError
 
 if TYPE_CHECKING:
-    from nodal.bench_file import BenchSettings
+    from nodal.bench_settings import BenchSettings
 
 
-def check_bench(path: Path, settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) -> None:
-    """Raises BenchFileError with everything that does not agree; `rig` is the calibration by camera."""
-    faults = [*_cameras(settings, rig), *_nodal_points(settings), *_tendons(settings), *_simulation(settings)]
+def check(path: Path, settings: "BenchSettings", rig: Mapping[str, CameraCalibration] | None = None) -> None:
+    """Raises BenchFileError with everything in the bench file that does not agree, and everything that does not agree with the
+    calibration, `rig` by camera, where there is one.
+    """
+    faults = [
+        *([] if rig is None else _cameras(settings, rig)),
+        *_backgrounds(settings),
+        *([] if rig is None else _work_areas(settings, rig)),
+        *_nodal_points(settings),
+        *_tendons(settings),
+        *_simulation(settings),
+    ]
     if faults:
         raise BenchFileError(f"{path}: " + "; ".join(faults))
 
@@ -22,19 +31,23 @@ def _cameras(settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) ->
     for name in settings.cameras:
         if name not in rig:
             yield f"cameras.{name} is not in the calibration {settings.calibration}, which has {', '.join(rig)}"
+
+
+def _backgrounds(settings: "BenchSettings") -> Iterator[str]:
     for name in settings.sensing.background:
         if name not in settings.cameras:
             yield f"sensing.background.{name} is not one of the cameras {', '.join(settings.cameras)}"
-    if settings.sensing.work_area:
-        yield from _work_areas(settings, tuple(rig[name] for name in settings.cameras if name in rig))
 
 
-def _work_areas(settings: "BenchSettings", calibrations: tuple[CameraCalibration, ...]) -> Iterator[str]:
+def _work_areas(settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) -> Iterator[str]:
+    if not settings.sensing.work_area:
+        return
     import numpy as np  # noqa: PLC0415  this and OpenCV are slow to import, and most benches have no work area
 
     from sensing.pictures.work_area import work_area_faults  # noqa: PLC0415
 
     areas = {name: np.array(corners) for name, corners in settings.sensing.work_area.items()}
+    calibrations = tuple(rig[name] for name in settings.cameras if name in rig)
     yield from (f"sensing.{fault}" for fault in work_area_faults(areas, calibrations))
 
 

@@ -4,27 +4,24 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import msgspec
 
-from controller.settings import ControllerSettings
-from drivers.cameras.settings import CameraSettings
-from drivers.dynamixel.settings import ServoSettings
-from drivers.simulated.settings import SimulationSettings
 from messaging.frames import CameraCalibration
-from messaging.settings import RobotSettings, ZenohSettings
-from nodal.bench_checks import check_bench
+from nodal.bench_checks import check
+from nodal.bench_settings import BenchSettings
 from nodal.calibration_file import load_rig, rig_in, rig_text
 from nodal.errors import BenchFileError
 from nodal.toml_file import Table, merged, read_table, settings_from, table_in, written
-from recordings.settings import RecorderSettings
-from sensing.settings import SensingSettings
 
 PATHS_TO_READ: tuple[tuple[str, ...], ...] = (
     ("calibration",),
     ("sensing", "background", "*"),
     ("controller", "law_file"),
+    ("cameras", "*", "file"),
+    ("cameras", "*", "folder"),
+    ("simulation", "rig"),
 )
 PATHS_TO_MAKE: tuple[tuple[str, ...], ...] = (
     ("servos", "port"),
@@ -37,22 +34,28 @@ comes with nodal goes below `runs/` where the command was started, not into the 
 SHIPPED = Path(str(files("nodal").joinpath("benches")))
 BENCH_ATTACHMENT, CALIBRATION_ATTACHMENT, LAW_ATTACHMENT = "bench.toml", "calibration.json", "law.py"
 
-Name = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class BenchFile:
+    """A bench file that was read; the files that it names may not exist yet, and its rooms may not agree yet."""
 
-class BenchSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What stands in a bench file."""
+    path: Path
+    settings: BenchSettings
 
-    name: Name
-    robot: RobotSettings
-    calibration: str
-    cameras: Annotated[dict[Name, CameraSettings], msgspec.Meta(min_length=2)]
-    sensing: SensingSettings
-    servos: ServoSettings
-    controller: ControllerSettings = ControllerSettings()
-    recorder: RecorderSettings = RecorderSettings()
-    zenoh: ZenohSettings = ZenohSettings()
-    simulation: SimulationSettings | None = None
+    def checked(self) -> BenchSettings:
+        """The settings, all rooms of which agree; raises BenchFileError. The calibration is not looked at."""
+        check(self.path, self.settings)
+        return self.settings
+
+    def loaded(self) -> "Bench":
+        """With the files that it names; raises BenchFileError, CalibrationFileError."""
+        background = self.settings.sensing.background
+        return _checked(
+            self.path,
+            self.settings,
+            load_rig(Path(self.settings.calibration)),
+            lambda camera: _read(self.path, camera, Path(background[camera])),
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -86,8 +89,8 @@ class Bench:
         }
 
 
-def load_bench(config: str | Path) -> Bench:
-    """Read a bench file, or one that comes with nodal by its name; raises BenchFileError, CalibrationFileError."""
+def read_bench(config: str | Path) -> BenchFile:
+    """Read a bench file, or one that comes with nodal by its name, and nothing that it names; raises BenchFileError."""
     path = bench_path(config)
     table = read_table(path)
     work = path.parent if path.parent != SHIPPED else Path.cwd() / "runs" / path.stem
@@ -95,13 +98,12 @@ def load_bench(config: str | Path) -> Bench:
         _resolve(table, key, path.parent)
     for key in PATHS_TO_MAKE:
         _resolve(table, key, work)
-    settings = settings_from(table, BenchSettings, str(path))
-    return _checked(
-        path,
-        settings,
-        load_rig(Path(settings.calibration)),
-        lambda camera: _read(path, camera, Path(settings.sensing.background[camera])),
-    )
+    return BenchFile(path=path, settings=settings_from(table, BenchSettings, str(path)))
+
+
+def load_bench(config: str | Path) -> Bench:
+    """Read a bench file and the files that it names, all of which agree; raises BenchFileError, CalibrationFileError."""
+    return read_bench(config).loaded()
 
 
 def recorded_bench(source: Path, attachments: Mapping[str, bytes], changes: Table) -> Bench:
@@ -129,7 +131,7 @@ def _checked(
     background_of: Callable[[str], bytes],
 ) -> Bench:
     rig = {camera.camera: camera for camera in calibrated}
-    check_bench(path, settings, rig)
+    check(path, settings, rig)
     return Bench(
         path=path,
         settings=settings,

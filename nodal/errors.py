@@ -6,8 +6,9 @@ NodalError
 |-- CommandError           words on the command line that fit the grammar but mean nothing possible
 |-- BusError               a servo bus on which nobody answers, or not the one that is asked for
 |-- SetupRefusedError      a servo that must not be set up as it is now; nothing was written
+|-- CalibrationError       what was shown or given is not enough to calibrate anything
+|-- ProcessError           a process of the bench did not start or does not stay up, or what is waited for does not come
 |-- DemoError              the demo cannot go on
-|   `-- ProcessError       one of its processes did not start, or does not stay up
 |-- ExportError            an export that cannot be written
 |-- ReportError            a recording that does not hold what a report needs
 `-- ReplayError            a recording that cannot be replayed as asked
@@ -36,12 +37,16 @@ class SetupRefusedError(NodalError):
     """A servo's torque is on, its id is taken, or it shares its id: it is not set up."""
 
 
+class CalibrationError(NodalError):
+    """Calibration cannot be done with what there is; the reason says what is missing."""
+
+
+class ProcessError(NodalError):
+    """A process of the bench did not become ready in time or died too often, or what is waited for does not come."""
+
+
 class DemoError(NodalError):
-    """The demo cannot go on: a process, an answer or a state that it waits for does not come."""
-
-
-class ProcessError(DemoError):
-    """A process of the demo did not become ready in time, or died too often."""
+    """The demo cannot go on: the bench is not simulated, its folder is taken, or it does not do what it is asked."""
 
 
 class ExportError(NodalError):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from messaging import topics
 from messaging.session import Session, open_rendezvous, open_session
 from messaging.views import LogLine
-from nodal.bench_file import Bench
+from nodal.bench_settings import BenchSettings
 from nodal.notify import Health
 
 PR_SET_PDEATHSIG = 1
@@ -30,13 +30,13 @@ class Process:
 
 
 @contextmanager
-def running(bench: Bench, name: str, end_with: int | None) -> Iterator[Process]:
+def running(settings: BenchSettings, name: str, end_with: int | None) -> Iterator[Process]:
     """This process as `name` on the bench's bus, until SIGTERM, SIGINT or SIGHUP set `stop`; raises EndpointError."""
     stop = stop_on_signals()
     if end_with is not None:
         _end_with(end_with, stop)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)-7s %(name)s: %(message)s")
-    settings, healthy = bench.settings, Health()
+    healthy = Health()
     opened = (
         open_rendezvous(settings.zenoh, settings.name)
         if name == "rendezvous"

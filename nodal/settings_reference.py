@@ -17,7 +17,7 @@ import msgspec
 from msgspec import inspect as types
 
 from controller.laws import law_names
-from nodal.bench_file import BenchSettings
+from nodal.bench_settings import BenchSettings
 
 MARK = "<!-- below: python -m nodal.settings_reference -->"
 

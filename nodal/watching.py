@@ -8,7 +8,7 @@ from typing import TextIO
 from messaging import topics
 from messaging.control import ControllerState, State
 from messaging.session import open_session
-from nodal.bench_file import load_bench
+from nodal.bench_file import read_bench
 
 BEAT_S = 0.1
 SILENT_AFTER_S = 1.0
@@ -17,7 +17,7 @@ SILENT = "the controller is silent"
 
 def watch(config: str) -> int:
     """Until Ctrl-C; returns the exit status."""
-    settings = load_bench(config).settings
+    settings = read_bench(config).settings
     out = _Line(sys.stdout)
     try:
         with open_session(settings.zenoh, settings.name, "watch") as session:

@@ -10,7 +10,7 @@ REPOSITORY = Path(__file__).parents[1]
 LOCKS = ("requirements.lock", "requirements-dev.lock")
 SOURCES = [
     file
-    for room in ("messaging", "drivers", "sensing", "controller", "recordings", "nodal")
+    for room in ("messaging", "drivers", "sensing", "controller", "recordings", "calibration", "nodal")
     for file in sorted((REPOSITORY / room).rglob("*.py"))
     if "generated" not in file.parts
 ]

@@ -25,10 +25,10 @@ from messaging.session import open_session
 from messaging.shape import ShapeEstimate
 from nodal import targets
 from nodal.bench_file import Bench, load_bench
-from nodal.demo.folder import make_demo_folder
-from nodal.demo.launcher import Launcher
+from nodal.demo.folder import make_demo_folder, processes_of
 from nodal.demo.operator import Operator
 from nodal.demo.telemetry import Telemetry
+from nodal.processes.launcher import Launcher
 
 PLACE_MM = (6.0, 0.0, 82.0)
 SETTLE_S = 3.0
@@ -70,7 +70,7 @@ def measure(bench: Bench, path: Path, seconds: float) -> Figures:
     node = settings.sensing.nodal_points[-1].name
     with (
         standing_in(folder.bench_file) as (stand_in, playing),
-        Launcher(folder, threading.Event(), PROCESSES) as launcher,
+        processes_of(folder, threading.Event(), PROCESSES) as launcher,
         open_session(settings.zenoh, settings.name, "benchmark") as session,
     ):
         telemetry = Telemetry(session)

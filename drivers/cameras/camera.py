@@ -26,6 +26,11 @@ class Camera(Protocol):
         """Its name on the bench."""
         ...
 
+    @property
+    def ended(self) -> bool:
+        """True once it will never give another frame: a file that was read to its end. Devices never end."""
+        ...
+
     def read(self) -> CameraFrame | None:
         """The next frame that was not read yet, or None; returns at once. Only the newest few wait to be read."""
         ...

@@ -25,6 +25,11 @@ class SimulatedCamera:
         """Its name on the bench."""
         return self._name
 
+    @property
+    def ended(self) -> bool:
+        """Never."""
+        return False
+
     def read(self) -> CameraFrame | None:
         """The next frame that was not read yet, or None; what is not a frame is logged and left out."""
         try:

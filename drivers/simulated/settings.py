@@ -19,7 +19,7 @@ class DriveSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The simulated bench. Where its cameras stand is said by the bench's calibration.
+    """The simulated bench.
 
     `servos.ids` are the tendons' or pairs' in the robot's order, and last the stage's, if the robot stands on one.
     """
@@ -28,6 +28,8 @@ class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     robot: SimulatedRobotSettings = SimulatedRobotSettings()
     drive: DriveSettings = DriveSettings()
     cameras: SimulatedCamerasSettings = SimulatedCamerasSettings()
+    rig: str = ""
+    """Calibration file that says where the simulated cameras really are; without it the bench's own calibration is right."""
     step_rate_hz: Annotated[float, msgspec.Meta(ge=50, le=500)] = 80.0
     """How often robot and servos move on."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 1

@@ -269,3 +269,9 @@ class RecorderRequest(_message.Message):
     action: str
     file: str
     def __init__(self, action: _Optional[str] = ..., file: _Optional[str] = ...) -> None: ...
+
+class SceneRequest(_message.Message):
+    __slots__ = ("scene",)
+    SCENE_FIELD_NUMBER: _ClassVar[int]
+    scene: str
+    def __init__(self, scene: _Optional[str] = ...) -> None: ...

@@ -14,12 +14,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Control until told to stop; however that ends, the tendons are let go."""
     from controller import process as controller  # noqa: PLC0415
     from drivers.dynamixel.actuators import TendonActuators  # noqa: PLC0415
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import read_bench  # noqa: PLC0415
     from nodal.running import running  # noqa: PLC0415
 
-    bench = load_bench(arguments.config)
-    settings = bench.settings
-    with running(bench, "controller", arguments.end_with) as process:
+    settings = read_bench(arguments.config).checked()
+    with running(settings, "controller", arguments.end_with) as process:
         controller.run(
             settings.controller,
             settings.robot,

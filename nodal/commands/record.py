@@ -45,7 +45,7 @@ def _record(arguments: argparse.Namespace) -> int:
 
     bench = load_bench(arguments.config)
     make_folder(Path(bench.settings.recorder.folder), "recorder.folder")
-    with running(bench, "recorder", arguments.end_with) as process:
+    with running(bench.settings, "recorder", arguments.end_with) as process:
         recordings.run(
             bench.settings.recorder,
             arguments.file,

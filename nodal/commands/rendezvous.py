@@ -14,10 +14,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; raises EndpointError when the endpoint is in use."""
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import read_bench  # noqa: PLC0415
     from nodal.running import running  # noqa: PLC0415
 
-    with running(load_bench(arguments.config), "rendezvous", arguments.end_with) as process:
+    with running(read_bench(arguments.config).settings, "rendezvous", arguments.end_with) as process:
         process.healthy()
         while not process.stop.wait(PULSE_S):
             process.healthy()

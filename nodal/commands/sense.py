@@ -18,7 +18,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     bench = load_bench(arguments.config)
     settings = bench.settings
-    with running(bench, "sensing", arguments.end_with) as process:
+    with running(bench.settings, "sensing", arguments.end_with) as process:
         sensing.run(
             settings.sensing,
             settings.robot,

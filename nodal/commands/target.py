@@ -12,7 +12,7 @@ from nodal.target_arguments import TIMINGS, add_kind, add_pace, add_weight, name
 
 if TYPE_CHECKING:
     from controller.planning.space import Space
-    from nodal.bench_file import BenchSettings
+    from nodal.bench_settings import BenchSettings
     from nodal.targets.preparing import Asked
     from nodal.targets.present import Present
 
@@ -90,9 +90,9 @@ def run(arguments: argparse.Namespace) -> int:
     from controller.errors import TargetError  # noqa: PLC0415
     from controller.planning.space import Space  # noqa: PLC0415
     from controller.plant import Plant  # noqa: PLC0415
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import read_bench  # noqa: PLC0415
 
-    bench = load_bench(arguments.config).settings
+    bench = read_bench(arguments.config).checked()
     space = Space(Plant.of(bench.controller, bench.robot))
     asked: Asked = arguments.asked(arguments, _EASY * bench.controller.maximum_node_speed_mm_s)
     try:

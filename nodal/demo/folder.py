@@ -2,7 +2,9 @@
 
 import dataclasses
 import socket
+import threading
 import time
+from collections.abc import Collection
 from pathlib import Path
 
 import msgspec
@@ -10,6 +12,7 @@ import msgspec
 from nodal.bench_file import Bench, load_bench, make_folder
 from nodal.calibration_file import save_rig
 from nodal.errors import DemoError
+from nodal.processes.launcher import STOP_ORDER, Launcher
 from nodal.toml_file import written
 
 
@@ -38,6 +41,13 @@ class DemoFolder:
     def summary(self) -> Path:
         """The figures."""
         return self.path / "summary.json"
+
+
+def processes_of(folder: DemoFolder, stop: threading.Event, names: Collection[str] = STOP_ORDER) -> Launcher:
+    """The demo's processes, not started yet; `names` are those that are wanted."""
+    # a recorder that was killed must find the recording that it goes on with
+    more = {"record": ("--file", str(folder.recording))}
+    return Launcher(folder.bench_file, folder.logs, stop, names, more)
 
 
 def make_demo_folder(bench: Bench, path: Path | None) -> tuple[DemoFolder, Bench]:

@@ -7,9 +7,9 @@ from messaging.errors import UnansweredError
 from messaging.message import Message
 from messaging.session import Session
 from messaging.topics import CONTROLLER_DO, CONTROLLER_TARGET, Service
-from nodal.demo.launcher import Launcher
 from nodal.demo.telemetry import Telemetry
 from nodal.errors import DemoError
+from nodal.processes.launcher import Launcher
 
 ANSWER_WITHIN_S = 1.0
 ARM_WITHIN_S = 45.0

@@ -9,14 +9,14 @@ import msgspec
 
 from messaging.session import open_session
 from nodal.bench_file import Bench, load_bench
-from nodal.demo.folder import DemoFolder, make_demo_folder
-from nodal.demo.launcher import Launcher, Stopped
+from nodal.demo.folder import DemoFolder, make_demo_folder, processes_of
 from nodal.demo.operator import Operator
 from nodal.demo.progress import Progress
 from nodal.demo.scenario import SHORTEST_S, Scenario
 from nodal.demo.telemetry import Telemetry
 from nodal.errors import CommandError, ReportError
 from nodal.exit_status import INTERRUPTED
+from nodal.processes.launcher import Launcher, Stopped
 from nodal.running import stop_on_signals
 from recordings.errors import RecordingError
 
@@ -33,7 +33,7 @@ def perform(config: str, duration_s: float, out: Path | None, *, as_json: bool) 
     folder, bench = make_demo_folder(load_bench(config), out)
     scenario = Scenario.for_bench(bench.settings, duration_s)
     stopped = False
-    with Launcher(folder, stop) as launcher:
+    with processes_of(folder, stop) as launcher:
         try:
             _close_the_loop(launcher, bench, scenario, folder)
         except Stopped:

@@ -10,8 +10,8 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from nodal.demo.launcher import Launcher
 from nodal.demo.telemetry import Telemetry
+from nodal.processes.launcher import Launcher
 
 REDRAW_S = 0.5
 LINE_S = 2.0

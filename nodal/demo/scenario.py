@@ -4,7 +4,7 @@ import dataclasses
 
 from messaging.control import Target
 from nodal import targets
-from nodal.bench_file import BenchSettings
+from nodal.bench_settings import BenchSettings
 from nodal.demo.operator import Operator
 from nodal.demo.telemetry import Telemetry
 from nodal.report.summary import CIRCLE, HOLD

@@ -15,11 +15,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """0 when all is as it should be, 3 when something is not. Raises BenchFileError, PortError, NoAnswerError."""
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import read_bench  # noqa: PLC0415
     from nodal.servos.findings import examine  # noqa: PLC0415
     from nodal.servos.port import buses_at  # noqa: PLC0415
 
-    settings = load_bench(arguments.config).settings.servos
+    settings = read_bench(arguments.config).settings.servos
     different = False
     for finding in examine(buses_at(settings.port), settings):
         print(finding, flush=True)

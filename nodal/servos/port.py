@@ -33,9 +33,9 @@ def buses(arguments: argparse.Namespace) -> tuple[Buses, tuple[int, ...]]:
 
     port, first = arguments.port, 1_000_000
     if arguments.config is not None:
-        from nodal.bench_file import load_bench  # noqa: PLC0415
+        from nodal.bench_file import read_bench  # noqa: PLC0415
 
-        settings = load_bench(arguments.config).settings.servos
+        settings = read_bench(arguments.config).settings.servos
         port, first = settings.port, settings.baud_rate
     rates = tuple(arguments.baud or dict.fromkeys((first, *BAUD_RATES)))
     for rate in rates:

@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Say each change; 0 when all is as it should be, 3 when it is refused. Raises CommandError, BusError, ServoError."""
     import sys  # noqa: PLC0415
 
-    from nodal.bench_file import load_bench  # noqa: PLC0415
+    from nodal.bench_file import read_bench  # noqa: PLC0415
     from nodal.errors import CommandError, SetupRefusedError  # noqa: PLC0415
     from nodal.servos.port import buses_at  # noqa: PLC0415
     from nodal.servos.setting_up import Order, set_up  # noqa: PLC0415
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.from_id is not None and arguments.axis is None:
         raise CommandError(f"--from-id {arguments.from_id}: say with --axis which axis this servo becomes")
     order = Order(
-        settings=load_bench(arguments.config).settings.servos,
+        settings=read_bench(arguments.config).settings.servos,
         axis=arguments.axis,
         from_id=arguments.from_id,
         relax=arguments.relax,

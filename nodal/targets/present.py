@@ -15,7 +15,7 @@ from messaging.errors import CodecError, InvalidMessageError
 from messaging.session import Session
 from messaging.shape import ShapeEstimate
 from messaging.topics import CONTROLLER_STATE, SHAPE
-from nodal.bench_file import BenchSettings
+from nodal.bench_settings import BenchSettings
 from nodal.errors import CommandError
 
 Array = NDArray[np.float64]

@@ -20,9 +20,9 @@ from messaging.shape import NodalPoints
 from messaging.topics import CONTROLLER_DO, CONTROLLER_TARGET, HEARTBEAT, SENSING_NODES, STOP, Service
 from nodal import targets
 from nodal.bench_file import load_bench
-from nodal.demo.folder import make_demo_folder
-from nodal.demo.launcher import Launcher
+from nodal.demo.folder import make_demo_folder, processes_of
 from nodal.demo.telemetry import Telemetry
+from nodal.processes.launcher import Launcher
 
 HERE = Path(__file__).parent
 FAR = targets.points({"tip": [90.0, 0.0, 10.0]}, {})
@@ -70,7 +70,7 @@ def main(out: Path) -> None:
     """Record, and say where."""
     folder, bench = make_demo_folder(load_bench(HERE / "small.toml"), out)
     with (
-        Launcher(folder, threading.Event()) as launcher,
+        processes_of(folder, threading.Event()) as launcher,
         open_session(bench.settings.zenoh, bench.settings.name, "operator") as session,
     ):
         launcher.start()

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from nodal.bench_file import load_bench
-from nodal.demo import child as children
-from nodal.demo.child import Child
-from nodal.demo.folder import make_demo_folder
-from nodal.demo.launcher import Launcher, Stopped
+from nodal.demo.folder import make_demo_folder, processes_of
 from nodal.errors import BenchFileError, DemoError, ProcessError
+from nodal.processes import child as children
+from nodal.processes.child import Child
+from nodal.processes.launcher import Stopped
 
 
 @pytest.fixture
@@ -99,7 +99,7 @@ def test_children_end_when_the_demo_is_killed(folder):
     program = (
         "import sys, time\n"
         "from pathlib import Path\n"
-        "from nodal.demo.child import Child\n"
+        "from nodal.processes.child import Child\n"
         f"child = Child('rendezvous', ('--config', {str(folder.bench_file)!r}), Path({str(folder.logs)!r}))\n"
         "child.start()\n"
         "while not child.ready:\n"
@@ -157,14 +157,14 @@ def test_stop_ends_a_wait_at_once(folder):
 
     stop = threading.Event()
     stop.set()
-    with Launcher(folder, stop) as launcher, pytest.raises(Stopped):
+    with processes_of(folder, stop) as launcher, pytest.raises(Stopped):
         launcher.wait_until(lambda: False, "nothing", 60)
 
 
 def test_what_does_not_come_in_time_is_named(folder):
 
     with (
-        Launcher(folder, threading.Event()) as launcher,
-        pytest.raises(DemoError, match="the moon did not come"),
+        processes_of(folder, threading.Event()) as launcher,
+        pytest.raises(ProcessError, match="the moon did not come"),
     ):
         launcher.wait_until(lambda: False, "the moon", 0.1)

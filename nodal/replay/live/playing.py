@@ -20,7 +20,8 @@ import msgspec
 from messaging.message import Message
 from messaging.session import Publisher, Session, open_session
 from messaging.topics import Topic
-from nodal.bench_file import BenchSettings, load_bench, recorded_bench
+from nodal.bench_file import load_bench, recorded_bench
+from nodal.bench_settings import BenchSettings
 from nodal.errors import ReplayError
 from nodal.log.spans import Span, span_of
 from nodal.replay.live.guard import REPLAY, Guard

@@ -1,4 +1,4 @@
-"""One process of the bench, started by the demo and listened to as systemd would."""
+"""One process of the bench, started by another and listened to as systemd would."""
 
 import os
 import signal

@@ -2,13 +2,13 @@
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from nodal.demo.child import Child
-from nodal.demo.folder import DemoFolder
-from nodal.errors import DemoError, ProcessError
+from nodal.errors import ProcessError
+from nodal.processes.child import Child
 
 START_ORDER = (("rendezvous",), ("record", "simulate"), ("sense", "control"))
 STOP_ORDER = ("control", "sense", "simulate", "record", "rendezvous")
@@ -17,18 +17,26 @@ TURN_S = 0.1
 
 
 class Stopped(Exception):  # noqa: N818  an order, not an error
-    """The operator wants the demo to end."""
+    """The operator wants it to end."""
 
 
 class Launcher:
     """Owns the processes. Whoever waits for anything waits here, so that processes are tended meanwhile."""
 
-    def __init__(self, folder: DemoFolder, stop: threading.Event, names: Sequence[str] = STOP_ORDER) -> None:
-        """`names` are the processes to start, where not all are wanted."""
-        # a recorder that was killed must find the recording that it goes on with
-        more = {"record": ("--file", str(folder.recording))}
+    def __init__(
+        self,
+        bench_file: Path,
+        logs: Path,
+        stop: threading.Event,
+        names: Collection[str] = STOP_ORDER,
+        more: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
+        """`names` are the processes to start, where not all are wanted; `more` are words for some of them beside the bench
+        file. What they print goes to the folder `logs`.
+        """
+        more = more or {}
         self.children = {
-            name: Child(name, ("--config", str(folder.bench_file), *more.get(name, ())), folder.logs)
+            name: Child(name, ("--config", str(bench_file), *more.get(name, ())), logs)
             for name in STOP_ORDER
             if name in names
         }
@@ -69,11 +77,11 @@ class Launcher:
         self._stop.wait(TURN_S)
 
     def wait_until(self, met: Callable[[], bool], what: str, within_s: float) -> None:
-        """Turn until the condition is met; raises DemoError naming what did not come in time."""
+        """Turn until the condition is met; raises ProcessError naming what did not come in time."""
         deadline_s = time.monotonic() + within_s
         while not met():
             if time.monotonic() > deadline_s:
-                raise DemoError(f"{what} did not come within {within_s:g} s")
+                raise ProcessError(f"{what} did not come within {within_s:g} s")
             self.turn()
 
     def stop(self) -> None:

@@ -1,0 +1,43 @@
+"""Changes to a bench file that leave its comments and its order as they are."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AbstractTable
+
+from nodal.errors import BenchFileError
+from nodal.toml_file import Table, read_table
+
+
+def edit_bench_file(path: Path, changes: Table) -> None:
+    """Put these values in place of the file's own, or add them; tables are merged, everything else is replaced.
+
+    The old file stays beside it as `NAME~`. What the file is afterwards must still be TOML with finite numbers. Raises BenchFileError.
+    """
+    read_table(path)  # a file that is not a bench file is refused as everywhere
+    try:
+        old = path.read_text(encoding="utf-8")
+        document = tomlkit.parse(old)
+        _merge(document, changes)
+        path.with_name(path.name + "~").write_text(old, encoding="utf-8")
+        new = path.with_name(path.name + ".new")
+        new.write_text(tomlkit.dumps(document), encoding="utf-8")
+        os.replace(new, path)  # noqa: PTH105  atomic, as its name says
+    except OSError as error:
+        raise BenchFileError(f"{path}: cannot be written: {error.strerror}") from error
+    except TOMLKitError as error:
+        raise BenchFileError(f"{path}: cannot be changed: {error}") from error
+
+
+def _merge(table: Any, changes: Mapping[str, Any]) -> None:
+    for key, value in changes.items():
+        if isinstance(value, Mapping) and isinstance(table.get(key), AbstractTable | dict):
+            _merge(table[key], value)
+        elif value is None:
+            table.pop(key, None)
+        else:
+            table[key] = value

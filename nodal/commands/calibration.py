@@ -1,0 +1,17 @@
+"""`nodal calibration`: what was calibrated, and other tools' files."""
+
+import argparse
+
+from nodal.arguments import add_subcommands
+from nodal.calibration import SUBCOMMANDS
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """One subcommand, with its own arguments."""
+    add_subcommands(parser, "nodal.calibration", SUBCOMMANDS)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """The exit status of the subcommand."""
+    status: int = arguments.run_subcommand(arguments)
+    return status
