@@ -80,7 +80,7 @@ def _said(info: Any) -> str:  # noqa: C901, PLR0911  one line for each kind of t
         case types.StrType():
             return _with("text", [f"matching `{info.pattern}`".replace("|", "\\|")] if info.pattern else [])
         case types.LiteralType():
-            return " or ".join(f'`"{value}"`' for value in info.values)
+            return " or ".join(f"`{msgspec.json.encode(value).decode()}`" for value in info.values)
         case types.VarTupleType() | types.FrozenSetType():
             return _with(
                 f"list of {_said(info.item_type)}", [f"{word} long" for word in _bounds(info, SIZES)]

@@ -6,6 +6,7 @@ from drivers.cameras.opening import open_cameras
 from drivers.cameras.pairing import FrameSet, FrameSetPairing
 from drivers.cameras.settings import CameraSettings, SimulatedCameraSettings
 from drivers.cameras.silence import SilenceWatch
+from drivers.cameras.v4l2.settings import V4l2CameraSettings, V4l2Controls
 
 __all__ = [
     "Camera",
@@ -18,5 +19,7 @@ __all__ = [
     "SilenceWatch",
     "SimulatedCameraSettings",
     "UnknownCameraError",
+    "V4l2CameraSettings",
+    "V4l2Controls",
     "open_cameras",
 ]

@@ -5,6 +5,8 @@ Another kind joins by its own struct in the union `CameraSettings`, and its driv
 
 import msgspec
 
+from drivers.cameras.v4l2.settings import V4l2CameraSettings
+
 
 class SimulatedCameraSettings(
     msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="source", tag="simulated"
@@ -12,4 +14,4 @@ class SimulatedCameraSettings(
     """A camera of the simulated bench. What it sees and how well is said in [simulation.cameras]."""
 
 
-CameraSettings = SimulatedCameraSettings
+CameraSettings = SimulatedCameraSettings | V4l2CameraSettings

@@ -1,0 +1,1 @@
+"""Cameras that Linux offers by V4L2."""
