@@ -46,7 +46,7 @@ def run(
     stop: Event,
     healthy: Callable[[], None],
 ) -> None:
-    """Sense until `stop` is set. `backgrounds` are coded pictures of the scene without the robot, by camera.
+    """Sense until `stop` is set, or every camera has ended, as files do. `backgrounds` are coded pictures of the scene without the robot, by camera.
 
     A bad frame becomes a refusal that says why; a camera that falls silent is named in the log and waited for.
     """
@@ -59,7 +59,7 @@ def run(
     pairing = FrameSetPairing(tuple(cameras), settings.maximum_skew_s)
     silence = SilenceWatch(cameras, SILENCE_S, time.monotonic())
     with open_cameras(cameras, session) as sources:
-        while not stop.is_set():
+        while not (stop.is_set() or all(source.ended for source in sources)):
             while (question := questions.take()) is not None:
                 _rename(sensor, speaker, question)
             frames = [frame for source in sources if (frame := source.read()) is not None]

@@ -2,6 +2,12 @@
 
 from drivers.cameras.camera import Camera, CameraFrame
 from drivers.cameras.errors import CameraError, CameraSilentError, UnknownCameraError
+from drivers.cameras.files.settings import (
+    AviCameraSettings,
+    FileCameraSettings,
+    FolderCameraSettings,
+    RecordingCameraSettings,
+)
 from drivers.cameras.opening import open_cameras
 from drivers.cameras.pairing import FrameSet, FrameSetPairing
 from drivers.cameras.settings import CameraSettings, SimulatedCameraSettings
@@ -9,13 +15,17 @@ from drivers.cameras.silence import SilenceWatch
 from drivers.cameras.v4l2.settings import V4l2CameraSettings, V4l2Controls
 
 __all__ = [
+    "AviCameraSettings",
     "Camera",
     "CameraError",
     "CameraFrame",
     "CameraSettings",
     "CameraSilentError",
+    "FileCameraSettings",
+    "FolderCameraSettings",
     "FrameSet",
     "FrameSetPairing",
+    "RecordingCameraSettings",
     "SilenceWatch",
     "SimulatedCameraSettings",
     "UnknownCameraError",

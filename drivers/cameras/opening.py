@@ -4,18 +4,28 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 
 from drivers.cameras.camera import Camera
+from drivers.cameras.files.opening import file_cameras
+from drivers.cameras.files.settings import FileCameraSettings
 from drivers.cameras.settings import CameraSettings
 from drivers.cameras.simulated import SimulatedCamera
 from messaging.session import Session
 
 
 @contextmanager
-def open_cameras(settings: Mapping[str, CameraSettings], session: Session) -> Iterator[list[Camera]]:
-    """The bench's cameras in the order of their settings, closed again when the block is left; raises CameraError."""
+def open_cameras(
+    settings: Mapping[str, CameraSettings], session: Session, *, paced: bool = True
+) -> Iterator[list[Camera]]:
+    """The bench's cameras in the order of their settings, closed again when the block is left; raises CameraError.
+
+    Cameras that are files play in real time, as though a bench were there; without `paced` they give every frame as fast as it
+    is read.
+    """
+    of_files = {name: camera for name, camera in settings.items() if isinstance(camera, FileCameraSettings)}
     with ExitStack() as opened:
-        cameras: list[Camera] = []
-        for name in settings:
-            camera = SimulatedCamera(name, session)
+        cameras: dict[str, Camera] = {camera.name: camera for camera in file_cameras(of_files, paced=paced)}
+        for camera in cameras.values():
             opened.callback(camera.close)
-            cameras.append(camera)
-        yield cameras
+        for name in settings.keys() - of_files.keys():
+            cameras[name] = SimulatedCamera(name, session)
+            opened.callback(cameras[name].close)
+        yield [cameras[name] for name in settings]

@@ -5,6 +5,7 @@ Another kind joins by its own struct in the union `CameraSettings`, and its driv
 
 import msgspec
 
+from drivers.cameras.files.settings import AviCameraSettings, FolderCameraSettings, RecordingCameraSettings
 from drivers.cameras.v4l2.settings import V4l2CameraSettings
 
 
@@ -14,4 +15,10 @@ class SimulatedCameraSettings(
     """A camera of the simulated bench. What it sees and how well is said in [simulation.cameras]."""
 
 
-CameraSettings = SimulatedCameraSettings | V4l2CameraSettings
+CameraSettings = (
+    SimulatedCameraSettings
+    | V4l2CameraSettings
+    | AviCameraSettings
+    | FolderCameraSettings
+    | RecordingCameraSettings
+)
