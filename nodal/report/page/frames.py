@@ -1,10 +1,7 @@
 """What the cameras saw at telling moments, with the estimate drawn over it."""
 
-from base64 import b64encode
-from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,14 +12,13 @@ from nodal.report.loading import frame_set
 from nodal.report.moments import Moment, telling_moments
 from nodal.report.page.markup import element, figure
 from nodal.report.page.numbers import with_unit
+from nodal.report.page.overlaid import picture_svg
 from nodal.report.pictures.views import View, decoded
 from recordings import Log
 from sensing.geometry.camera import Camera
 
 Array = NDArray[np.float64]
 
-HIGHEST_PX = 640
-QUALITY = 82
 STROKE = 1 / 160
 """Widths and sizes over a picture are shares of its height."""
 
@@ -61,13 +57,13 @@ def _where(moment: Moment, findings: Findings) -> Array | None:
 def _view(frame: Frame, camera: Camera | None, around_mm: Array | None, moment: Moment) -> Element:
     try:
         if camera is None or around_mm is None:
-            picture = decoded(frame.camera, frame.jpeg)
-            return _svg(frame, picture, (0, 0, picture.shape[1], picture.shape[0]), [])
+            return picture_svg(decoded(frame.camera, frame.jpeg), f"camera {frame.camera}")
         view = View.around(camera, frame.jpeg, around_mm)
     except ReportError as error:
         return element("p", str(error))
-    x0, y0, x1, y1 = view.part
-    return _svg(frame, view.picture[y0:y1, x0:x1], view.part, _overlay(camera, moment, y1 - y0))
+    overlay = _overlay(camera, moment, view.part[3] - view.part[1])
+    words = f"camera {frame.camera}" + (", with the estimated centreline and nodal points" if overlay else "")
+    return picture_svg(view.picture, words, overlay, view.part)
 
 
 def _overlay(camera: Camera, moment: Moment, height_px: int) -> list[Element]:
@@ -98,28 +94,3 @@ def _overlay(camera: Camera, moment: Moment, height_px: int) -> list[Element]:
             )
         )
     return marks
-
-
-def _svg(
-    frame: Frame, picture: NDArray[np.uint8], part: tuple[int, int, int, int], overlay: Sequence[Element]
-) -> Element:
-    """The picture in pixels of the whole frame, so that what is drawn over it needs no other scale."""
-    x0, y0, x1, y1 = part
-    share = min(HIGHEST_PX / picture.shape[0], 1.0)
-    small = cv2.resize(picture, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
-    _, coded = cv2.imencode(
-        ".jpg", cv2.cvtColor(small, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, QUALITY]
-    )
-    data = f"data:image/jpeg;base64,{b64encode(coded.tobytes()).decode()}"
-    box = {"x": f"{x0 - 0.5}", "y": f"{y0 - 0.5}", "width": f"{x1 - x0}", "height": f"{y1 - y0}"}
-    return element(
-        "svg",
-        element("image", href=data, **box),
-        overlay,
-        viewBox=" ".join(box.values()),
-        class_="frame",
-        role="img",
-        aria_label=f"camera {frame.camera}, with the estimated centreline and nodal points"
-        if overlay
-        else f"camera {frame.camera}",
-    )

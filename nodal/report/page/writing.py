@@ -17,6 +17,7 @@ from nodal.report.page.run_report import RunReport
 from nodal.report.source import source_of
 from recordings import Log
 
+MADE_BY = "Made by nodal report. Everything is in this file."
 STYLE = files("nodal.report.page").joinpath("style.css")
 
 
@@ -48,16 +49,15 @@ def _report(log: Log, name: str) -> RunReport:
 
 def _single(report: RunReport) -> str:
     sections = run_sections(report, "run1")
-    return _document(report.name, [element("header", heading(report)), _links(sections), *sections])
+    return page_text(report.name, heading(report), sections, MADE_BY)
 
 
 def _several(reports: Sequence[RunReport]) -> str:
     title = f"{len(reports)} runs side by side"
     compared = comparison(reports)
-    runs = [(f"run{number}", report.name) for number, report in enumerate(reports, start=1)]
-    contents: list[Content] = [element("header", element("h1", title)), _links(compared, runs), *compared]
+    parts = list(compared)
     for number, report in enumerate(reports, start=1):
-        contents.append(
+        parts.append(
             element(
                 "article",
                 heading(report),
@@ -66,21 +66,22 @@ def _several(reports: Sequence[RunReport]) -> str:
                 id=f"run{number}",
             )
         )
-    return _document(title, contents)
+    return page_text(title, element("h1", title), parts, MADE_BY)
 
 
-def _document(title: str, contents: Sequence[Content]) -> str:
-    footer = element("footer", "Made by nodal report. Everything is in this file.")
-    return document(title, STYLE.read_text(encoding="utf-8"), *contents, footer)
+def page_text(title: str, heading: Content, parts: Sequence[Element], footer: str) -> str:
+    """A whole page: its heading, links to its parts, the parts."""
+    style = STYLE.read_text(encoding="utf-8")
+    return document(
+        title, style, element("header", heading), _links(parts), *parts, element("footer", footer)
+    )
 
 
-def _links(sections: Sequence[Element], more: Sequence[tuple[str, str]] = ()) -> Element:
-    """To every section by its heading, and to whatever else has an anchor and a name."""
-    places = [(part.get("id"), part.findtext("h2", "")) for part in sections]
+def _links(parts: Sequence[Element]) -> Element:
+    """To every part by its heading."""
+    places = [(part.get("id"), part.findtext("h2") or part.findtext("h1", "")) for part in parts]
     return element(
-        "nav",
-        (element("a", name, href=f"#{anchor}") for anchor, name in (*places, *more)),
-        aria_label="Sections",
+        "nav", (element("a", name, href=f"#{anchor}") for anchor, name in places), aria_label="Sections"
     )
 
 

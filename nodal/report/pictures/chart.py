@@ -36,8 +36,13 @@ def as_svg(chart: Chart, salt: str) -> str:
         height = LOW_IN + ROW_IN * len(chart.rows)
     with drawing(WIDE_IN if chart.wide else NARROW_IN, height, salt) as figure:
         draw(figure.subplots(), dataclasses.replace(chart, title=""))
-        text = io.StringIO()
-        figure.savefig(text, format="svg", transparent=True)
+        return page_svg(figure)
+
+
+def page_svg(figure: Any) -> str:
+    """A figure of `drawing` as an `svg` element in the page's colours."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", transparent=True)
     found = ROOT.search(text.getvalue())
     svg = UNWANTED.sub("", found[0] if found else "").replace("xlink:href", "href")
     for name, colour in PAGE_COLOURS.items():
