@@ -28,7 +28,7 @@ def with_processes(bench: BenchFile, process: str, needed: Collection[str]) -> I
     wanted = [name for name in needed if name != "simulate" or bench.settings.simulation is not None]
     settings = bench.settings
     with open_session(settings.zenoh, settings.name, process) as session:
-        alive = _alive(session)
+        alive = _alive(session) if wanted else frozenset()
         missing = [name for name in wanted if NAMES[name] not in alive]
         logs = make_folder(bench.path.parent / "logs", "logs") if missing else bench.path.parent
         with Launcher(bench.path, logs, threading.Event(), missing) as launcher:

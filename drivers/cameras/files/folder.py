@@ -26,7 +26,7 @@ def pictures_in_folders(cameras: Mapping[str, FolderCameraSettings]) -> dict[str
             f"the folders of cameras {', '.join(cameras)} have the rates {sorted(rates_hz)} Hz; pictures that "
             "belong together need one rate"
         )
-    files = {name: _files(name, settings) for name, settings in cameras.items()}
+    files = {name: picture_files(name, settings) for name, settings in cameras.items()}
     numbers = together({name: [file.stem for file in those] for name, those in files.items()})
     steps = sorted({number for those in numbers.values() for number in those})
     offset_ns = {number: round(step * NS_PER_S / min(rates_hz)) for step, number in enumerate(steps)}
@@ -39,7 +39,8 @@ def pictures_in_folders(cameras: Mapping[str, FolderCameraSettings]) -> dict[str
     }
 
 
-def _files(name: str, settings: FolderCameraSettings) -> list[Path]:
+def picture_files(name: str, settings: FolderCameraSettings) -> list[Path]:
+    """This camera's files, by name; raises CameraError when there are none."""
     folder = Path(settings.folder)
     if not folder.is_dir():
         raise CameraError(f"camera {name}: there is no folder {folder}")
