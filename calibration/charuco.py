@@ -1,0 +1,102 @@
+"""Finding a ChArUco board: markers say which corner is which, so that a part of the board is enough."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.corners import Array, Missing, Picture
+from calibration.errors import BoardError
+from calibration.planes import homography, mapped
+from messaging.board import BoardSettings
+
+CLEAR = 0.6
+"""How much of the white between an edge and the nearest marker is used; the rest is the blur of the marker's edge."""
+MOST_NAMED = 4
+MOST_OFF = 0.25
+"""Squares: what tells a lens from another layout, whose markers are off by whole squares."""
+MOST_SHARE_ERROR = 0.06
+
+
+def charuco_board(settings: BoardSettings) -> cv2.aruco.CharucoBoard:
+    """OpenCV's board, in mm; raises BoardError for an unknown dictionary, or one with too few markers."""
+    number = getattr(cv2.aruco, settings.dictionary, None)
+    if not isinstance(number, int):
+        known = ", ".join(sorted(name for name in vars(cv2.aruco) if name.startswith("DICT_")))
+        raise BoardError(f"board.dictionary: {settings.dictionary} is unknown; known are {known}")
+    dictionary = cv2.aruco.getPredefinedDictionary(number)
+    columns, rows = settings.squares
+    needed, there = columns * rows // 2, len(dictionary.bytesList)
+    if needed > there:
+        raise BoardError(
+            f"board.dictionary: {settings.dictionary} has {there} markers, "
+            f"a board of {columns} x {rows} squares needs {needed}"
+        )
+    board = cv2.aruco.CharucoBoard(settings.squares, settings.square_mm, settings.marker_mm, dictionary)
+    board.setLegacyPattern(settings.legacy_pattern)
+    return board
+
+
+class Charuco:
+    """The finder of a ChArUco board; raises BoardError as `charuco_board` does."""
+
+    def __init__(self, settings: BoardSettings) -> None:
+        self._settings = settings
+        self._board = charuco_board(settings)
+        outlines = np.array(self._board.getObjPoints())[..., :2]
+        self._outlines: Array = outlines.astype(np.float64) / settings.square_mm
+        self._detector = cv2.aruco.CharucoDetector(self._board)
+        self.clear = CLEAR * 0.5 * (1.0 - settings.marker_mm / settings.square_mm)
+
+    def find(self, grey: Picture) -> tuple[NDArray[np.int64], Array] | Missing:
+        """Ids (n,) and pixels (n, 2) to start from, or the reason why there are none."""
+        px, ids, outlines, seen = self._detector.detectBoard(grey)
+        if seen is None or not len(seen):
+            return Missing(f"no marker of {self._settings.dictionary} is in sight")
+        markers, outlines_px = (
+            np.ravel(seen).astype(np.int64),
+            np.reshape(outlines, (-1, 4, 2)).astype(np.float64),
+        )
+        columns, rows = self._settings.squares
+        strange = sorted(int(one) for one in markers if one >= len(self._outlines))
+        if strange:
+            named = ", ".join(map(str, strange[:MOST_NAMED])) + (", ..." if len(strange) > MOST_NAMED else "")
+            return Missing(
+                f"markers of another board: id {named}; those of this one go up to {len(self._outlines) - 1}"
+            )
+        if len(markers) >= 4 and self._scattered(markers, outlines_px):
+            return Missing(
+                f"another layout: the markers do not lie as on a board of {columns} x {rows} squares"
+            )
+        if ids is None or len(ids) < 4:
+            return Missing(f"{len(markers)} markers are in sight, with hardly a corner between two of them")
+        found = np.ravel(ids).astype(np.int64), np.reshape(px, (-1, 2)).astype(np.float64)
+        share, printed = (
+            self._marker_share(*found, outlines_px),
+            self._settings.marker_mm / self._settings.square_mm,
+        )
+        if share is not None and abs(share - printed) > MOST_SHARE_ERROR:
+            return Missing(
+                f"another layout: markers are {share:.2f} of a square wide, "
+                f"board.marker_mm / board.square_mm says {printed:.2f}"
+            )
+        return found
+
+    def _scattered(self, markers: NDArray[np.int64], outlines_px: Array) -> bool:
+        """Whether the markers' centres, in squares, are no picture of where the board has them."""
+        centres = self._outlines[markers].mean(axis=1)
+        board_from_picture = homography(outlines_px.mean(axis=1), centres)
+        if board_from_picture is None:
+            return False
+        off = np.linalg.norm(mapped(board_from_picture, outlines_px.mean(axis=1)) - centres, axis=1)
+        return bool(np.median(off) > MOST_OFF)
+
+    def _marker_share(self, ids: NDArray[np.int64], px: Array, outlines_px: Array) -> float | None:
+        """How wide the markers are, in squares; None where corners in a line do not tell."""
+        columns = self._settings.squares[0] - 1
+        board_from_picture = homography(
+            px, np.column_stack([ids % columns, ids // columns]).astype(np.float64)
+        )
+        if board_from_picture is None:
+            return None
+        outlines = mapped(board_from_picture, outlines_px)
+        return float(np.median(np.linalg.norm(outlines - np.roll(outlines, 1, axis=1), axis=2)))
