@@ -1,7 +1,15 @@
 """The bench's cameras, whatever stands behind them: frames, and the sets of frames that were taken together."""
 
 from drivers.cameras.camera import Camera, CameraFrame
-from drivers.cameras.errors import CameraError, CameraSilentError, UnknownCameraError
+from drivers.cameras.errors import (
+    CameraBusyError,
+    CameraControlError,
+    CameraDeviceError,
+    CameraError,
+    CameraFormatError,
+    CameraSilentError,
+    UnknownCameraError,
+)
 from drivers.cameras.files.settings import (
     AviCameraSettings,
     FileCameraSettings,
@@ -17,7 +25,11 @@ from drivers.cameras.v4l2.settings import V4l2CameraSettings, V4l2Controls
 __all__ = [
     "AviCameraSettings",
     "Camera",
+    "CameraBusyError",
+    "CameraControlError",
+    "CameraDeviceError",
     "CameraError",
+    "CameraFormatError",
     "CameraFrame",
     "CameraSettings",
     "CameraSilentError",

@@ -1,0 +1,69 @@
+"""Open a device file; what stands in the way is said in words."""
+
+import contextlib
+import errno
+from collections.abc import Iterator
+from pathlib import Path
+
+from linuxpy.video.device import Capability, Device
+
+from drivers.cameras.errors import CameraBusyError, CameraDeviceError
+from drivers.cameras.v4l2.device_files import device_files, first_name
+
+PROCESSES = Path("/proc")
+
+
+def open_device(device: str) -> Device:
+    """The device, open; raises CameraDeviceError when it is missing, forbidden, or gives no pictures."""
+    opened = Device(device)
+    with device_errors(device):
+        opened.open()
+        if Capability.VIDEO_CAPTURE not in opened.info.device_capabilities:
+            card = opened.info.card
+            opened.close()
+            raise CameraDeviceError(f"{device} ({card}) gives no pictures; {_present()}")
+    return opened
+
+
+@contextlib.contextmanager
+def device_errors(device: str) -> Iterator[None]:
+    """Say what the kernel refuses; raises CameraDeviceError, and CameraBusyError when another program has the camera."""
+    try:
+        yield
+    except FileNotFoundError as error:
+        raise CameraDeviceError(f"{device} is not there; {_present()}") from error
+    except PermissionError as error:
+        raise CameraDeviceError(
+            f"{device} may not be opened by this user; members of the group `video` may: "
+            "sudo usermod -aG video $USER, then log in anew"
+        ) from error
+    except OSError as error:
+        if error.errno == errno.EBUSY:
+            raise CameraBusyError(f"{device} is in use by {_holders(device)}") from error
+        raise CameraDeviceError(f"{device}: {error.strerror or error}") from error
+
+
+def _present() -> str:
+    present = ", ".join(str(first_name(path)) for path in device_files())
+    return f"there are {present}" if present else "no camera is there at all"
+
+
+def _holders(device: str) -> str:
+    """The programs that have the device file open, as far as this user may see."""
+    node = Path(device).resolve()
+    holders = sorted({_program(link) for link in PROCESSES.glob("[0-9]*/fd/*") if _leads_to(link, node)})
+    return ", ".join(holders) or f"a program of another user: sudo fuser -v {node} names it"
+
+
+def _leads_to(link: Path, node: Path) -> bool:
+    # processes and their files come and go while they are looked at
+    with contextlib.suppress(OSError):
+        return link.readlink() == node
+    return False
+
+
+def _program(link: Path) -> str:
+    process = link.parents[1]
+    with contextlib.suppress(OSError):
+        return f"{(process / 'comm').read_text().strip()} (process {process.name})"
+    return f"process {process.name}"
