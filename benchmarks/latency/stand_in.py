@@ -20,6 +20,7 @@ import numpy as np
 
 from drivers.simulated.cameras.process import CameraProcess, camera_processes
 from drivers.simulated.cameras.schedule import NS_PER_S, CaptureSchedule, Pose, PoseHistory
+from drivers.simulated.cameras.subjects import RobotInHolder
 from drivers.simulated.cameras.worker import Exposure, Setup
 from drivers.simulated.mechanism import Mechanism
 from drivers.simulated.robot.robot import SimulatedRobot
@@ -133,8 +134,10 @@ class _Photographs:
                     Exposure(
                         number=self._number,
                         capture_monotonic_ns=capture_ns,
-                        opened_mm=self._history.at(capture_ns - self.half_exposure_ns),
-                        closed_mm=self._history.at(capture_ns + self.half_exposure_ns),
+                        subject=RobotInHolder(
+                            opened_mm=self._history.at(capture_ns - self.half_exposure_ns),
+                            closed_mm=self._history.at(capture_ns + self.half_exposure_ns),
+                        ),
                     )
                 )
             self._number = self._schedule.first_after(pose.time_ns)

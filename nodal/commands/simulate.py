@@ -36,6 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
             tuple(rig[name] for name in settings.cameras),
             settings.zenoh,
             settings.name,
+            settings.board,
             process.session,
             process.stop,
             process.healthy,

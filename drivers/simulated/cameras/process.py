@@ -36,6 +36,18 @@ class CameraProcess:
         self._pipe = Connection(ours.detach())
         self._pipe.send(setup)
         self._ready = False
+        self._scene = 0
+
+    @property
+    def scene(self) -> int:
+        """The latest scene of which pictures are out; raises SimulatedCameraError when it has ended."""
+        self.check()
+        try:
+            while self._pipe.poll():
+                self._scene = int(self._pipe.recv())
+        except (EOFError, ConnectionError) as error:
+            raise SimulatedCameraError(f"simulated camera {self.name}: its process has gone") from error
+        return self._scene
 
     @property
     def is_ready(self) -> bool:

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Flat, Index
+from drivers.simulated.cameras.canvas import Window
 from messaging.frames import CameraCalibration
 
 _INVERSION = (
@@ -16,8 +17,8 @@ _INVERSION = (
 )  # each round gains about a digit; looking for it would cost more
 
 
-class Projection:
-    """A camera, with the ray of each of its pixels at hand."""
+class Lens:
+    """A camera: from the robot frame to pixels."""
 
     def __init__(self, calibration: CameraCalibration) -> None:
         self.width_px, self.height_px = calibration.width_px, calibration.height_px
@@ -27,7 +28,12 @@ class Projection:
         self._intrinsics = calibration.intrinsics
         self._distortion = calibration.distortion
         self.focal_px = float(np.sqrt(self._intrinsics[0, 0] * self._intrinsics[1, 1]))
-        self._ray_x, self._ray_y = self._rays_of_pixels()
+
+    @property
+    def centre_mm(self) -> Array:
+        """(3,) where it stands in the robot frame."""
+        centre: Array = -self.rotation.T @ self._translation_mm
+        return centre
 
     def to_camera(self, robot_mm: Array) -> Array:
         """Points (..., 3) of the robot frame in the camera frame, z along the view."""
@@ -45,9 +51,28 @@ class Projection:
         u = K[0, 0] * bent_x + K[0, 1] * bent_y + K[0, 2]
         return np.stack([u, K[1, 1] * bent_y + K[1, 2]], axis=-1)
 
+    def from_straight_ray(self, pixels: Array, away_mm: Array) -> Array:
+        """Points (n, 3) in the robot frame, so far (n,) along the view, that pixels (n, 2) see through a lens without distortion."""
+        rays = np.linalg.solve(self._intrinsics, np.column_stack([pixels, np.ones(len(pixels))]).T).T
+        points: Array = (away_mm[:, None] * rays - self._translation_mm) @ self.rotation
+        return points
+
+
+class Projection(Lens):
+    """A camera, with the ray of each of its pixels at hand."""
+
+    def __init__(self, calibration: CameraCalibration) -> None:
+        super().__init__(calibration)
+        self._ray_x, self._ray_y = self._rays_of_pixels()
+
     def rays(self, place: Index) -> tuple[Flat, Flat]:
         """X and y of pixels at places of any shape, counted row by row: a pixel sees along (x, y, 1) in the camera frame."""
         return self._ray_x.take(place, mode="clip"), self._ray_y.take(place, mode="clip")
+
+    def rays_in(self, window: Window) -> tuple[Flat, Flat]:
+        """X and y (rows, columns) of the rays of a window's pixels."""
+        shape = self.height_px, self.width_px
+        return self._ray_x.reshape(shape)[window.slices], self._ray_y.reshape(shape)[window.slices]
 
     def _rays_of_pixels(self) -> tuple[Flat, Flat]:
         columns, rows = np.meshgrid(np.arange(float(self.width_px)), np.arange(float(self.height_px)))

@@ -1,19 +1,22 @@
-"""One simulated camera: from two poses of the robot, at the opening and the closing of the shutter, to JPEG bytes."""
+"""One simulated camera: from two poses of what it sees, at the opening and the closing of the shutter, to JPEG bytes."""
 
 import numpy as np
 
 from drivers.simulated.cameras.arrays import Array, Index, Pixels
 from drivers.simulated.cameras.backdrop import Noise, paint_backdrop
+from drivers.simulated.cameras.board_view import BoardView
 from drivers.simulated.cameras.canvas import Canvas, Window
 from drivers.simulated.cameras.curve import Curve, see_curve
 from drivers.simulated.cameras.disks import Disks
 from drivers.simulated.cameras.holder import Holder
 from drivers.simulated.cameras.jpeg import Raster, Stretches, splice
 from drivers.simulated.cameras.light import Light, bgr
+from drivers.simulated.cameras.printed_board import REFERENCE_BOARD, printed_board
 from drivers.simulated.cameras.projection import Projection
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from drivers.simulated.cameras.tube import Tube
 from drivers.simulated.cameras.vectors import lengths
+from messaging.board import BoardSettings
 from messaging.frames import CameraCalibration
 
 _PICTURES = 6  # that lie ready without robot; the noise outside of the robot's window repeats after that many
@@ -29,6 +32,7 @@ class Renderer:
         section_end_mm: Array,
         settings: SimulatedCamerasSettings,
         seed: int,
+        board: BoardSettings = REFERENCE_BOARD,
     ) -> None:
         """`section_end_mm` (sections,) are distances from the base along the centreline, the last one the tip's."""
         self._settings = settings
@@ -47,6 +51,14 @@ class Renderer:
             shadow_px + 0.07 * calibration.width_px,
         )
         self._holder = Holder(settings.body, self._projection, self._light, backdrop)
+        self._board = BoardView(
+            printed_board(board),
+            self._projection,
+            self._light,
+            gradient=settings.light.gradient,
+            lens_blur_px=settings.sensor.lens_blur_px,
+        )
+        self._board_seen: tuple[bytes, ...] = ()
         self._noise = Noise(
             calibration.width_px, calibration.height_px, settings.sensor.noise_levels, self._rng
         )
@@ -58,9 +70,25 @@ class Renderer:
         window = self._raster.widen(robot.window.around(self._holder.window))
         pixels = self._holder.picture[window.slices].copy()
         pixels[robot.window.within(window).slices] = robot.pixels
-        patch = self._encode(self._noise.on(pixels, window))
-        empty = self._empty[self._rng.integers(_PICTURES)]
-        return splice(empty, patch, window, self._raster)
+        return self._take(pixels, window)
+
+    def render_empty(self, base_mm: Array) -> bytes:
+        """The picture of the holder alone, below a base at (3,) in the robot frame."""
+        self._holder.stand_below(base_mm)
+        window = self._raster.widen(self._holder.window)
+        return self._take(self._holder.picture[window.slices], window)
+
+    def render_board(self, base_mm: Array, opened: Array, closed: Array) -> bytes:
+        """The picture of the board before the holder, whose `robot_from_board` (4, 4) went from one to the other."""
+        seen = (opened.tobytes(), closed.tobytes(), np.round(base_mm, 2).tobytes())
+        if seen != self._board_seen:
+            self._holder.stand_below(base_mm)
+            picture = self._holder.picture.copy()
+            changed = self._board.paint(picture, opened, closed) or self._holder.window
+            self._board_window = self._raster.widen(changed.around(self._holder.window))
+            self._board_pixels = picture[self._board_window.slices].copy()
+            self._board_seen = seen
+        return self._take(self._board_pixels, self._board_window)
 
     def draw(self, opened_mm: Array, closed_mm: Array) -> Canvas:
         """The part of the picture that shows the robot, before noise and coding."""
@@ -109,6 +137,12 @@ class Renderer:
     def _section(self, arc_mm: Array) -> Index:
         """Which section the robot is of at these distances from the base."""
         return np.minimum(np.searchsorted(self._section_end_mm, arc_mm), len(self._section_end_mm) - 1)
+
+    def _take(self, pixels: Pixels, window: Window) -> bytes:
+        """A picture in whose window these pixels are seen."""
+        patch = self._encode(self._noise.on(pixels, window))
+        empty = self._empty[self._rng.integers(_PICTURES)]
+        return splice(empty, patch, window, self._raster)
 
     def _encode(self, pixels: Pixels) -> Stretches:
         return self._raster.encode(pixels, self._settings.sensor.jpeg_quality)

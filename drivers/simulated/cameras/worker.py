@@ -1,4 +1,4 @@
-"""The child process of one simulated camera: poses in by a pipe, JPEG frames out on the bus.
+"""The child process of one simulated camera: what it sees in by a pipe, JPEG frames out on the bus.
 
 It ends when the pipe does, which the kernel sees to even after kill -9 of the parent.
 """
@@ -12,8 +12,11 @@ from multiprocessing.connection import Connection
 import cv2
 
 from drivers.simulated.cameras.arrays import Array
+from drivers.simulated.cameras.printed_board import REFERENCE_BOARD
 from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
+from drivers.simulated.cameras.subjects import Subject
+from messaging.board import BoardSettings
 from messaging.frames import CameraCalibration, Frame
 from messaging.session import open_session
 from messaging.settings import ZenohSettings
@@ -33,16 +36,18 @@ class Setup:
     seed: int
     zenoh: ZenohSettings
     bench: str
+    board: BoardSettings = REFERENCE_BOARD
 
 
 @dataclass(frozen=True, kw_only=True)
 class Exposure:
-    """One picture to be rendered: the robot's centrelines (N, 3) when the shutter opened and when it closed."""
+    """One picture to be rendered."""
 
     number: int
     capture_monotonic_ns: int
-    opened_mm: Array
-    closed_mm: Array
+    subject: Subject
+    scene: int = 0
+    """Which scene it is of, counted from 0; once two pictures of a later one are out, its number goes back through the pipe."""
 
 
 def serve(descriptor: int) -> None:
@@ -53,15 +58,22 @@ def serve(descriptor: int) -> None:
         try:
             setup: Setup = pipe.recv()
             name = setup.calibration.camera
-            renderer = Renderer(setup.calibration, setup.section_end_mm, setup.settings, setup.seed)
+            renderer = Renderer(
+                setup.calibration, setup.section_end_mm, setup.settings, setup.seed, setup.board
+            )
             with open_session(setup.zenoh, setup.bench, f"simulated-camera-{name}-{os.getpid()}") as session:
                 publisher = session.publisher(SIMULATED_CAMERA.named(name))
                 pipe.send(READY)
+                before = told = 0
                 while True:
                     exposure = _next(pipe)
-                    jpeg = renderer.render(exposure.opened_mm, exposure.closed_mm)
+                    jpeg = exposure.subject.picture(renderer)
                     frame = Frame(camera=name, capture_time_ns=exposure.capture_monotonic_ns, jpeg=jpeg)
                     publisher.put(frame, exposure.number)
+                    if told < exposure.scene == before:
+                        told = exposure.scene
+                        pipe.send(told)
+                    before = exposure.scene
         except (EOFError, ConnectionResetError):
             return
 

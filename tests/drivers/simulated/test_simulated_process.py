@@ -26,9 +26,11 @@ from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.process import run
 from drivers.simulated.servos.settings import EmulatedServosSettings
 from drivers.simulated.settings import SimulationSettings
+from messaging.board import BoardPlace, BoardSettings
 from messaging.session import open_session
 from messaging.settings import ZenohSettings
 
+BOARD = BoardSettings(at_base=BoardPlace(origin_mm=(-45, 0, 77), x_axis=(1, 0, 0), y_axis=(0, 0, -1)))
 zenoh, link = ZenohSettings(rendezvous=sys.argv[1]), sys.argv[2]
 stop = threading.Event()
 signal.signal(signal.SIGTERM, lambda *_: stop.set())
@@ -40,7 +42,7 @@ cameras = tuple(
     for camera in default_cameras()
 )
 with open_session(zenoh, "sim", "simulate") as session:
-    run(settings, cameras, zenoh, "sim", session, stop, lambda: None)
+    run(settings, cameras, zenoh, "sim", BOARD, session, stop, lambda: None)
 """
 
 
