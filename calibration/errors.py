@@ -2,6 +2,7 @@
 
 NodalError
 |-- BoardError     the settings describe no board that can be printed, or one that cannot be told from itself upside down
+|-- BasePosesError   the robot's poses do not determine where it stands, or contradict what is known of it
 |-- ViewsError     the views of the board do not determine the cameras; the reason says which views to add
 `-- RobotPosesError  the robot was not seen in enough poses to be identified
 """
@@ -19,3 +20,7 @@ class ViewsError(NodalError):
 
 class RobotPosesError(NodalError):
     """The robot was not seen in enough poses to be identified, or they show another robot than the model's."""
+
+
+class BasePosesError(NodalError):
+    """The robot's poses do not determine where it stands, or contradict its bench file; the reason says what to do about it."""

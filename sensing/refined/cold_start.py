@@ -49,10 +49,9 @@ def cold_start(
         )
         for camera in scene.cameras
     }
-    pair = best_pair(scene.cameras, np.array([0.0, 0.0, insertion_mm]))
-    matches = [
-        _matched(pair, chosen, insertion_mm) for chosen in product(*(found[camera.name] for camera in pair))
-    ]
+    base_mm = np.array([0.0, 0.0, insertion_mm])
+    pair = best_pair(scene.cameras, base_mm)
+    matches = [matched(pair, chosen, base_mm) for chosen in product(*(found[camera.name] for camera in pair))]
 
     masks = {name: choices[0].mask for name, choices in found.items()}
     best = max(matches, key=lambda match: _likeness(scene, masks, match.curve))
@@ -61,7 +60,7 @@ def cold_start(
 
 
 @dataclass(frozen=True)
-class _Match:
+class Match:
     """One midline of each of two cameras taken together: the paired rays' points (n, 3), their gaps (n,), and the curve."""
 
     silhouettes: dict[str, Silhouette]
@@ -82,7 +81,10 @@ def _likeness(scene: Scene, masks: Mapping[str, Mask], line: Curve) -> float:
     return float(np.mean(shares)) - off
 
 
-def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], insertion_mm: float) -> _Match:
+def matched(
+    pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], base_mm: FloatArray | None
+) -> Match:
+    """Two cameras' midlines from base to tip taken together; `base_mm` (3,) is the base, None where it is not known."""
     first, second = pair
     rays = [camera.rays(_evened(seen)) for camera, seen in zip(pair, silhouettes, strict=True)]
     i, j = ordered_pairs(ray_gaps(first, rays[0], second, rays[1]))
@@ -90,7 +92,7 @@ def _matched(pair: tuple[Camera, Camera], silhouettes: tuple[Silhouette, ...], i
     walk = (i + j) / (2.0 * (MIDLINE_POINTS - 1))
     radius = silhouettes[0].half_width_px / _px_per_mm(first, points)
     seen = {camera.name: silhouette for camera, silhouette in zip(pair, silhouettes, strict=True)}
-    return _Match(seen, points, gaps, _first_curve(points, walk, insertion_mm, radius))
+    return Match(seen, points, gaps, _first_curve(points, walk, base_mm, radius))
 
 
 def _silhouettes(
@@ -122,12 +124,12 @@ def _evened(silhouette: Silhouette) -> FloatArray:
     return curve.resample(np.vstack([kept, kept[-1] + onwards * width]), MIDLINE_POINTS)
 
 
-def _first_curve(points: FloatArray, walk: FloatArray, insertion_mm: float, radius_mm: float) -> Curve:
+def _first_curve(points: FloatArray, walk: FloatArray, base_mm: FloatArray | None, radius_mm: float) -> Curve:
     """A smooth curve from the base through triangulated points, its parameter brought to arc length."""
     far = walk > BASE_STRETCH
-    base = np.tile([0.0, 0.0, insertion_mm], (3, 1))
+    base = np.empty((0, 3)) if base_mm is None else np.tile(base_mm, (3, 1))
     places = np.vstack([base, points[far]])
-    parameter = np.concatenate([np.zeros(3), walk[far]])
+    parameter = np.concatenate([np.zeros(len(base)), walk[far]])
     control = curve.fit_points(places, parameter)
     for _ in range(3):
         arc = curve.arc_lengths(curve.POSITION @ control)

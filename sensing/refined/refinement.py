@@ -44,11 +44,16 @@ SHIFT_PX = 1.0
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known before looking: the base's height, and the robot's length if it is (with its spread)."""
+    """What is known before looking: the base's height, and the robot's length if it is, with their spreads.
+
+    A base that is not known has infinite ones.
+    """
 
     insertion_mm: float
     length_mm: float | None
     length_spread_mm: float = 0.1
+    base_spread_mm: float = BASE_MM
+    base_spread_rad: float = BASE_TANGENT
 
 
 @dataclass(frozen=True)
@@ -183,9 +188,10 @@ _BY_BASE_TANGENT = _by_points(np.repeat(curve.VELOCITY[:1], 2, axis=0), _AXES[:2
 def _expect(system: _System, prior: Prior, fitted: Curve) -> None:
     """What is known without looking."""
     base = np.array([0.0, 0.0, prior.insertion_mm])
-    system.add(base - fitted.points_mm[0], np.full(3, BASE_MM**-2), _BY_BASE)
+    system.add(base - fitted.points_mm[0], np.full(3, prior.base_spread_mm**-2), _BY_BASE)
     velocity = fitted.velocity_mm
-    system.add(-velocity[0, :2], np.full(2, (BASE_TANGENT * fitted.length_mm) ** -2), _BY_BASE_TANGENT)
+    spread_mm = prior.base_spread_rad * fitted.length_mm
+    system.add(-velocity[0, :2], np.full(2, spread_mm**-2), _BY_BASE_TANGENT)
     speed = lengths(velocity)[:, 0]
     by_points = _by_points(curve.VELOCITY, velocity / (speed * fitted.length_mm)[:, None])
     by_length = LENGTH, -speed[:, None] / fitted.length_mm**2
