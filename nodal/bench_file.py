@@ -93,7 +93,7 @@ def read_bench(config: str | Path) -> BenchFile:
     """Read a bench file, or one that comes with nodal by its name, and nothing that it names; raises BenchFileError."""
     path = bench_path(config)
     table = read_table(path)
-    work = path.parent if path.parent != SHIPPED else Path.cwd() / "runs" / path.stem
+    work = work_folder(path)
     for key in PATHS_TO_READ:
         _resolve(table, key, path.parent)
     for key in PATHS_TO_MAKE:
@@ -152,6 +152,11 @@ def bench_path(config: str | Path) -> Path:
             f"{config}: neither a bench file nor a bench that comes with nodal ({', '.join(shipped)})"
         )
     return shipped[str(config)]
+
+
+def work_folder(path: Path) -> Path:
+    """Where a bench makes what it makes: beside its file, or for one that comes with nodal in `runs/NAME` of this folder."""
+    return path.parent if path.parent != SHIPPED else Path.cwd() / "runs" / path.stem
 
 
 def make_folder(folder: Path, what: str) -> Path:

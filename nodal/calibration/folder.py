@@ -8,7 +8,7 @@ import msgspec
 
 from calibration.camera_set import CameraSet
 from messaging.frames import CameraCalibration
-from nodal.bench_file import SHIPPED, BenchFile, make_folder, read_bench
+from nodal.bench_file import SHIPPED, BenchFile, make_folder, read_bench, work_folder
 from nodal.calibration_file import load_rig
 from nodal.errors import CalibrationFileError
 from nodal.toml_file import written
@@ -24,7 +24,7 @@ def own_bench(config: str | Path) -> BenchFile:
     bench = read_bench(config)
     if bench.path.parent != SHIPPED:
         return bench
-    folder = make_folder(Path.cwd() / "runs" / bench.path.stem, "runs")
+    folder = make_folder(work_folder(bench.path), "runs")
     copy = folder / "bench.toml"
     if not copy.exists():
         make_folder(folder / "calibration", "runs")

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 
 from messaging.session import Session, open_session
-from nodal.bench_file import BenchFile, make_folder
+from nodal.bench_file import BenchFile, make_folder, work_folder
 from nodal.processes.launcher import Launcher
 
 NAMES = {
@@ -30,7 +30,9 @@ def with_processes(bench: BenchFile, process: str, needed: Collection[str]) -> I
     with open_session(settings.zenoh, settings.name, process) as session:
         alive = _alive(session) if wanted else frozenset()
         missing = [name for name in wanted if NAMES[name] not in alive]
-        logs = make_folder(bench.path.parent / "logs", "logs") if missing else bench.path.parent
+        logs = work_folder(bench.path) / "logs"
+        if missing:
+            make_folder(logs, "logs")
         with Launcher(bench.path, logs, threading.Event(), missing) as launcher:
             launcher.start()
             with _tended(launcher):
