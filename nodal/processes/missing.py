@@ -1,11 +1,14 @@
 """The processes that a command needs and that do not run yet: started for as long as it needs them."""
 
 import threading
+import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 
+from messaging.errors import NodalError
 from messaging.session import Session, open_session
 from nodal.bench_file import BenchFile, make_folder, work_folder
+from nodal.errors import ProcessError
 from nodal.processes.launcher import Launcher
 
 NAMES = {
@@ -18,6 +21,7 @@ NAMES = {
 """Commands that run processes, and what the processes call themselves on the bus."""
 
 FOUND_S = 1.0
+POLL_S = 0.1
 
 
 @contextmanager
@@ -28,8 +32,7 @@ def with_processes(bench: BenchFile, process: str, needed: Collection[str]) -> I
     wanted = [name for name in needed if name != "simulate" or bench.settings.simulation is not None]
     settings = bench.settings
     with open_session(settings.zenoh, settings.name, process) as session:
-        alive = _alive(session) if wanted else frozenset()
-        missing = [name for name in wanted if NAMES[name] not in alive]
+        missing = _missing(session, wanted)
         logs = work_folder(bench.path) / "logs"
         if missing:
             make_folder(logs, "logs")
@@ -39,30 +42,40 @@ def with_processes(bench: BenchFile, process: str, needed: Collection[str]) -> I
                 yield session
 
 
-def _alive(session: Session) -> frozenset[str]:
-    """Who is there; a session that was just opened finds a rendezvous that runs within a moment."""
-    wait = threading.Event()
-    for _ in range(10):
-        if alive := session.alive():
-            return alive
-        wait.wait(FOUND_S / 10)
-    return frozenset()
+def _missing(session: Session, wanted: Collection[str]) -> frozenset[str]:
+    """Those that nobody runs. A session that was just opened finds the others within a moment, so it looks for that long."""
+    deadline_s = time.monotonic() + FOUND_S
+    while True:
+        alive = session.alive()
+        missing = frozenset(name for name in wanted if NAMES[name] not in alive)
+        if not missing or time.monotonic() > deadline_s:
+            return missing
+        time.sleep(POLL_S)
 
 
 @contextmanager
 def _tended(launcher: Launcher) -> Iterator[None]:
-    """Processes that die meanwhile are started again, by a thread that does nothing else."""
+    """Processes that die meanwhile are started again by a thread that does nothing else; one that keeps dying is told at the end."""
     done = threading.Event()
+    failed: list[ProcessError] = []
 
     def tend() -> None:
-        while not done.wait(0.1):
-            for child in launcher.children.values():
-                child.tend()
+        while not done.wait(POLL_S):
+            try:
+                for child in launcher.children.values():
+                    child.tend()
+            except ProcessError as error:
+                failed.append(error)
+                return
 
     tending = threading.Thread(target=tend, name="processes", daemon=True)
     tending.start()
     try:
         yield
+    except NodalError as error:
+        if failed:
+            raise failed[0] from error
+        raise
     finally:
         done.set()
         tending.join()
