@@ -54,7 +54,8 @@ class Board:
         found = self._finder.find(grey)
         if isinstance(found, Missing):
             return found
-        ids, px = found
+        order = np.argsort(found[0])
+        ids, px = found[0][order], found[1][order]
         if len(ids) < FEWEST_CORNERS:
             return Missing(
                 f"only {len(ids)} of {len(self.points_mm)} corners are in sight, {FEWEST_CORNERS} are needed"
@@ -73,4 +74,4 @@ class Board:
         fitted = refine(grey, px, sides_px, ARM_SIDES, self._finder.clear)
         if np.count_nonzero(fitted.sound) < FEWEST_CORNERS:
             return Missing("too blurred or too dark: corners show hardly any contrast")
-        return Corners(ids[fitted.sound], fitted.px[fitted.sound], fitted.blur_px[fitted.sound])
+        return Corners(ids, fitted.px, fitted.blur_px).only(fitted.sound)

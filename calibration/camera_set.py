@@ -23,7 +23,9 @@ class CalibratedCamera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
     `intrinsics` is K in px, `distortion` [k1, k2, p1, p2, k3]. `sigma` holds the standard deviation of each parameter that
     was estimated, by its name: fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2, k3, and the pose's rotation_x_rad, rotation_y_rad,
-    rotation_z_rad, x_mm, y_mm, z_mm. Reprojection errors are RMS over both coordinates of all corners, in px.
+    rotation_z_rad, x_mm, y_mm, z_mm: rotations of `camera_from_rig` in the camera's axes, and its translation as it stands.
+    Reprojection errors are RMS over both coordinates of all corners, in px; the held-out one is of views that the camera was
+    not calibrated with, predicted by the other cameras (calibration/holding_out.py).
     """
 
     name: str

@@ -14,7 +14,7 @@ Picture = NDArray[np.uint8]
 class Corners:
     """Inner corners of the board that were found in one picture.
 
-    `ids` (n,) count along the board's rows from its top left corner, `px` (n, 2) are sub-pixel, integer coordinates being
+    `ids` (n,) ascend and count along the board's rows from its top left corner, `px` (n, 2) are sub-pixel, integer coordinates being
     pixel centres. `blur_px` (n,) is the standard deviation of the blur across the corner's edges, the larger of both.
     """
 
@@ -24,6 +24,10 @@ class Corners:
 
     def __len__(self) -> int:
         return len(self.ids)
+
+    def only(self, chosen: NDArray[np.bool_]) -> "Corners":
+        """Some of them."""
+        return Corners(self.ids[chosen], self.px[chosen], self.blur_px[chosen])
 
 
 @dataclass(frozen=True)

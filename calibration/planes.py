@@ -5,9 +5,15 @@ import numpy as np
 
 from calibration.corners import Array
 
+THINNEST = 1e-3
+"""Width over length of points that lie in a line."""
+
 
 def homography(flat: Array, px: Array) -> Array | None:
     """The map that takes points (n, 2) of a plane to their pixels (n, 2), by least squares; None if they lie in a line."""
+    spread = np.linalg.svd(flat - flat.mean(axis=0), compute_uv=False)
+    if len(flat) < 4 or spread[1] < THINNEST * spread[0]:
+        return None
     found, _ = cv2.findHomography(flat, px)
     return None if found is None else np.asarray(found, np.float64)
 
