@@ -12,6 +12,7 @@ from drivers.cameras import (
     CameraSilentError,
     FrameSet,
     FrameSetPairing,
+    PairingReport,
     SilenceWatch,
     open_cameras,
 )
@@ -57,6 +58,7 @@ def run(
     stage_reports = session.newest(topics.TENDON_STATE)
     questions = session.answers(topics.SENSING_NODES)
     pairing = FrameSetPairing(tuple(cameras), settings.maximum_skew_s)
+    report = PairingReport(pairing, time.monotonic())
     silence = SilenceWatch(cameras, SILENCE_S, time.monotonic())
     with open_cameras(cameras, session) as sources:
         while not (stop.is_set() or all(source.ended for source in sources)):
@@ -67,6 +69,8 @@ def run(
             frame_sets = [frame_set for frame in frames if (frame_set := pairing.feed(frame)) is not None]
             for frame_set in frame_sets:
                 speaker.say_frames(frame_set)
+                report.add(frame_set)
+            report.tell(time.monotonic())
             if frame_sets:
                 _hear(sensor, stage_reports)
                 # what has piled up is published for the log, but only the newest set is worth an estimate

@@ -18,6 +18,7 @@ from drivers.cameras.files.settings import (
 )
 from drivers.cameras.opening import open_cameras
 from drivers.cameras.pairing import FrameSet, FrameSetPairing
+from drivers.cameras.pairing_report import PairingReport
 from drivers.cameras.settings import CameraSettings, SimulatedCameraSettings
 from drivers.cameras.silence import SilenceWatch
 from drivers.cameras.v4l2.settings import V4l2CameraSettings, V4l2Controls
@@ -37,6 +38,7 @@ __all__ = [
     "FolderCameraSettings",
     "FrameSet",
     "FrameSetPairing",
+    "PairingReport",
     "RecordingCameraSettings",
     "SilenceWatch",
     "SimulatedCameraSettings",

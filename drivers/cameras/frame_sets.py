@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from drivers.cameras.camera import Camera
 from drivers.cameras.pairing import FrameSet, FrameSetPairing
+from drivers.cameras.pairing_report import PairingReport
 from drivers.cameras.silence import SilenceWatch
 
 POLL_S = 0.002
@@ -19,13 +20,16 @@ def frame_sets(
     """
     names = [camera.name for camera in cameras]
     pairing = FrameSetPairing(names, maximum_skew_s)
+    report = PairingReport(pairing, time.monotonic())
     silence = SilenceWatch(names, silence_s, time.monotonic())
     while True:
         frames = [frame for camera in cameras if (frame := camera.read()) is not None]
         for frame in frames:
             silence.heard(frame.name, time.monotonic())
             if (complete := pairing.feed(frame)) is not None:
+                report.add(complete)
                 yield complete
+        report.tell(time.monotonic())
         if frames:
             continue
         if all(camera.ended for camera in cameras):

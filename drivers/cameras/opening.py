@@ -8,6 +8,8 @@ from drivers.cameras.files.opening import file_cameras
 from drivers.cameras.files.settings import FileCameraSettings
 from drivers.cameras.settings import CameraSettings
 from drivers.cameras.simulated import SimulatedCamera
+from drivers.cameras.v4l2.camera import V4l2Camera
+from drivers.cameras.v4l2.settings import V4l2CameraSettings
 from messaging.session import Session
 
 
@@ -25,7 +27,15 @@ def open_cameras(
         cameras: dict[str, Camera] = {camera.name: camera for camera in file_cameras(of_files, paced=paced)}
         for camera in cameras.values():
             opened.callback(camera.close)
-        for name in settings.keys() - of_files.keys():
-            cameras[name] = SimulatedCamera(name, session)
-            opened.callback(cameras[name].close)
+        for name, chosen in settings.items():
+            if name not in cameras:
+                cameras[name] = _device(name, chosen, session)
+                opened.callback(cameras[name].close)
         yield [cameras[name] for name in settings]
+
+
+def _device(name: str, settings: CameraSettings, session: Session) -> Camera:
+    """A camera that is no file."""
+    if isinstance(settings, V4l2CameraSettings):
+        return V4l2Camera(name, settings)
+    return SimulatedCamera(name, session)

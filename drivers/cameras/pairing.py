@@ -49,6 +49,7 @@ class FrameSetPairing:
     """
 
     def __init__(self, names: Sequence[str], maximum_skew_s: float) -> None:
+        self.maximum_skew_s = maximum_skew_s
         self._maximum_skew_ns = maximum_skew_s * NS_PER_S
         self._waiting: dict[str, deque[CameraFrame]] = {name: deque() for name in names}
         self._present = dict(self._waiting)

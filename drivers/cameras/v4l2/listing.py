@@ -4,11 +4,11 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from linuxpy.video.device import BaseMonoControl, BufferType, Capability, Device, FrameSizeType, MenuControl
+from linuxpy.video.device import BaseMonoControl, BufferType, Device, FrameSizeType, MenuControl
 
 from drivers.cameras.errors import CameraDeviceError
 from drivers.cameras.v4l2.controls import SETTINGS, setting_of
-from drivers.cameras.v4l2.device_files import device_files, first_name, lasting_names
+from drivers.cameras.v4l2.device_files import first_name, lasting_names, picture_devices
 from drivers.cameras.v4l2.opening import device_errors
 
 
@@ -57,16 +57,13 @@ class DeviceDescription:
 
 def devices() -> tuple[DeviceDescription, ...]:
     """All that give pictures, in the order of their numbers, and those that cannot be asked, with their problem."""
-    found = (_described(node) for node in device_files())
-    return tuple(description for description in found if description is not None)
+    return tuple(map(_described, picture_devices()))
 
 
-def _described(node: Path) -> DeviceDescription | None:
+def _described(node: Path) -> DeviceDescription:
     path, lasting = first_name(node), tuple(lasting_names(node))
     try:
         with device_errors(str(path)), Device(node) as device:
-            if Capability.VIDEO_CAPTURE not in device.info.device_capabilities:
-                return None
             return DeviceDescription(
                 path=path,
                 lasting_paths=lasting,

@@ -2,15 +2,19 @@
 
 import contextlib
 import errno
+import logging
 from collections.abc import Iterator
 from pathlib import Path
 
 from linuxpy.video.device import Capability, Device
 
 from drivers.cameras.errors import CameraBusyError, CameraDeviceError
-from drivers.cameras.v4l2.device_files import device_files, first_name
+from drivers.cameras.v4l2.device_files import first_name, picture_devices
 
 PROCESSES = Path("/proc")
+
+# it tells of every step at the level at which our processes tell of events
+logging.getLogger("linuxpy").setLevel(logging.WARNING)
 
 
 def open_device(device: str) -> Device:
@@ -39,20 +43,20 @@ def device_errors(device: str) -> Iterator[None]:
         ) from error
     except OSError as error:
         if error.errno == errno.EBUSY:
-            raise CameraBusyError(f"{device} is in use by {_holders(device)}") from error
+            raise CameraBusyError(f"{device} is in use {_by_whom(device)}") from error
         raise CameraDeviceError(f"{device}: {error.strerror or error}") from error
 
 
 def _present() -> str:
-    present = ", ".join(str(first_name(path)) for path in device_files())
+    present = ", ".join(str(first_name(path)) for path in picture_devices())
     return f"there are {present}" if present else "no camera is there at all"
 
 
-def _holders(device: str) -> str:
+def _by_whom(device: str) -> str:
     """The programs that have the device file open, as far as this user may see."""
     node = Path(device).resolve()
     holders = sorted({_program(link) for link in PROCESSES.glob("[0-9]*/fd/*") if _leads_to(link, node)})
-    return ", ".join(holders) or f"a program of another user: sudo fuser -v {node} names it"
+    return f"by {', '.join(holders)}" if holders else f"by another user's program: sudo fuser -v {node}"
 
 
 def _leads_to(link: Path, node: Path) -> bool:

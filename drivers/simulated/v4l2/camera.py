@@ -105,7 +105,7 @@ class StandInCamera:
             self._plugged().create()
 
     def pull_out(self) -> None:
-        """It loses its connection in the middle of a picture."""
+        """It loses its connection in the middle of a picture: half of it can still be fetched, and nothing more."""
         with self._lock:
             picture = self.buffers.next_picture()
             self.buffers.fill(picture[: len(picture) // 2], raw.BufferFlag.ERROR)
@@ -123,7 +123,8 @@ class StandInCamera:
     def ioctl(self, file: int, request: int, argument: Any) -> None:
         """Answer what the program that has this file open asks; raises OSError as the kernel would."""
         with self._lock:
-            if file not in self._opened:
+            is_fetching = request == raw.IOC.DQBUF and self.buffers.is_waiting
+            if file not in self._opened and not is_fetching:
                 raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
             answer = self._answers.get(request)
             if answer is None:

@@ -46,6 +46,11 @@ class Buffers:
         self._done: collections.deque[Filled] = collections.deque()
         self._sequence = 0
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a filled buffer waits to be fetched."""
+        return bool(self._done)
+
     def next_picture(self) -> bytes:
         """The next picture with a comment of its own, since no sensor gives the same bytes twice (JPEG, ISO 10918-1 B.2.4.5)."""
         comment = f"exposure {next(self._exposures)}".encode()
