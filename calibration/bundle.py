@@ -18,7 +18,7 @@ MOST_STEPS = 60
 SETTLED = 1e-8
 """Relative gain of the cost below which a solution is one."""
 HUBER_SIGMAS = 3.0
-NOISE_ROUNDS = 3
+NOISE_ROUNDS, SETTLED_NOISE = 4, 0.02
 LEAST_NOISE_PX = 1e-4
 START_NOISE_PX = 1.0
 LEAST_DAMPING, MOST_DAMPING = 1e-9, 1e8
@@ -81,13 +81,16 @@ class Adjusted:
     covariance: Array
 
 
-def adjust(start: Rig, observations: Sequence[Observation], prior: Prior) -> Adjusted:
-    """The rig that explains the observations best, from a start that is near enough."""
-    noise_px = np.full(len(start.intrinsics), START_NOISE_PX)
-    rig = start
+def adjust(
+    start: Rig, observations: Sequence[Observation], prior: Prior, noise_px: Array | None = None
+) -> Adjusted:
+    """The rig that explains the observations best, from a start that is near enough; `noise_px` (c,) if it is known about."""
+    rig, noise_px = start, np.full(len(start.intrinsics), START_NOISE_PX) if noise_px is None else noise_px
     for _ in range(NOISE_ROUNDS):
         rig = _minimised(rig, observations, prior, noise_px)
-        noise_px = _noise(rig, observations)
+        before_px, noise_px = noise_px, _noise(rig, observations)
+        if np.allclose(before_px, noise_px, rtol=SETTLED_NOISE):
+            break
     system = _system(rig, observations, prior, noise_px)
     covariance = np.zeros_like(system.cameras)
     covariance[np.ix_(system.free, system.free)] = _inverse(system.reduced(0.0)[0])

@@ -15,7 +15,7 @@ from calibration.views import Size, View
 
 GUESSED_FOCAL = 0.8
 """In widths of the picture, as webcams have it: exact enough to tell tilts from one another before anything is calibrated."""
-ENOUGH_VIEWS, ENOUGH_SHARED = 12, 8
+ENOUGH_VIEWS, ENOUGH_SHARED = 20, 12
 ENOUGH_CORNERS = 3
 """In a ninth of the picture, over all views."""
 ENOUGH_TILT_RAD = np.radians(30.0)

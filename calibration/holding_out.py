@@ -7,7 +7,7 @@ from functools import reduce
 import numpy as np
 
 from calibration.board import Board
-from calibration.bundle import Observation, Prior, Rig, adjust
+from calibration.bundle import Adjusted, Observation, Prior, Rig, adjust
 from calibration.camera_set import BoardCheck
 from calibration.corners import Array
 from calibration.posing import board_pose, off_px, triangulated
@@ -27,19 +27,19 @@ class HeldOut:
     squares: BoardCheck | None
 
 
-def hold_out(board: Board, solved: Rig, observations: Sequence[Observation], prior: Prior) -> HeldOut:
+def hold_out(board: Board, solved: Adjusted, observations: Sequence[Observation], prior: Prior) -> HeldOut:
     """Solve again without a fifth of the views at a time, and look at those.
 
     The error of a camera is RMS, per coordinate, of corners in held-out views against where the *other* cameras say that they
     are: these give the board's pose and this camera has no part in it, so errors of all intrinsics and of how the cameras
     stand to one another count. Where no other camera sees the view, every second corner gives the pose and the others are predicted.
     """
-    errors: list[list[Array]] = [[] for _ in solved.intrinsics]
+    errors: list[list[Array]] = [[] for _ in solved.noise_px]
     sides: list[Array] = []
     heights: list[Array] = []
     for held in _folds(observations):
         kept = [one for one in observations if one.view not in held]
-        rig = adjust(solved, kept, prior).rig
+        rig = adjust(solved.rig, kept, prior, solved.noise_px).rig
         for view in held:
             seen = [one for one in observations if one.view == view]
             for one in seen:

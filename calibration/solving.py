@@ -81,7 +81,7 @@ def calibrate(board: Board, views: Sequence[View], sizes: Mapping[str, Size]) ->
         shown = [shown[view] for view in left]
         rig = replace(solved.rig, rig_from_board=solved.rig.rig_from_board[left])
     check(names, sizes, solved)
-    held_out = hold_out(board, solved.rig, observations, PRIOR)
+    held_out = hold_out(board, solved, observations, PRIOR)
     sightings = tuple(
         _sighting(found[shown[one.view]], names[one.camera], one, residual_px)
         for one, residual_px in zip(observations, solved.residual_px, strict=True)
