@@ -1,0 +1,33 @@
+"""The cameras in figures, and how good each is."""
+
+from nodal.calibrate.cameras_verdict import judgements
+from nodal.calibrate.cameras_words import camera_rows, places, value_of
+from nodal.calibrate.report.material import Material
+from nodal.report.page.markup import Content, element, table
+
+TITLE = "Cameras"
+
+
+def content(known: Material) -> Content:
+    """Parameters with their standard deviations, then one judgement a row."""
+    header, *rows = camera_rows(known.cameras)
+    return [
+        table("Cameras", header, rows, class_="figures"),
+        [element("p", text) for text in places(known.cameras)],
+        element("h3", "Judged"),
+        table(
+            "Judgements",
+            ["what", "value", "verdict", "good up to", "fair up to", "because"],
+            (
+                (
+                    one.what,
+                    value_of(one),
+                    element("strong", str(one.grade), class_=f"level {one.grade}"),
+                    f"{one.limits[0]:g} {one.unit}".strip(),
+                    f"{one.limits[1]:g} {one.unit}".strip(),
+                    one.why,
+                )
+                for one in judgements(known.cameras)
+            ),
+        ),
+    ]
