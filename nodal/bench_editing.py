@@ -39,5 +39,10 @@ def _merge(table: Any, changes: Mapping[str, Any]) -> None:
             _merge(table[key], value)
         elif value is None:
             table.pop(key, None)
+        elif isinstance(value, Mapping):
+            added = tomlkit.table()
+            added.update(value)
+            added.add(tomlkit.nl())  # so that the table after it stands apart
+            table[key] = added
         else:
             table[key] = value

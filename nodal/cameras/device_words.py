@@ -32,10 +32,14 @@ def _lines(device: DeviceDescription) -> Iterator[str]:
 
 def _control(control: DeviceControl) -> str:
     """In the unit of its key in the bench file where it has one, in the camera's own numbers otherwise."""
-    name = f"{control.setting} ({control.name})" if control.setting else control.name
+    name = control.setting or control.name
+    if name != control.name:
+        name += f" ({control.name})"
     value, default = (f"{control.in_setting(number):g}" for number in (control.value, control.default))
     if control.menu:
-        allowed = ", ".join(f"{control.in_setting(number):g} {word}" for number, word in control.menu.items())
+        allowed = ", ".join(
+            f"{control.in_setting(number):g} = {word}" for number, word in control.menu.items()
+        )
     else:
         least, most, step = map(control.in_setting, (control.minimum, control.maximum, control.step))
         allowed = f"{least:g} to {most:g}" + (f" in steps of {step:g}" if control.step > 1 else "")

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import dataclasses
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -43,7 +44,8 @@ def look_at_device(arguments: argparse.Namespace) -> Report:
     settings = suggested_settings(device)
     with contextlib.closing(V4l2Camera("device", settings)) as camera:
         frames = take([camera], arguments.pictures, SILENCE_S)
-    return Report(cameras=[_report("device", settings, frames["device"], None)], together=[])
+    report = _report("device", settings, frames["device"], None)
+    return Report(cameras=[dataclasses.replace(report, suggestions=[])], together=[])
 
 
 def look_at_bench(arguments: argparse.Namespace) -> Report:

@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     new = sections(assigned(arguments.camera or (), tuple(old)), arguments.mains)
     stale = {name: dict.fromkeys(old.get(name, {}).keys() - table.keys()) for name, table in new.items()}
     edit_bench_file(path, {"cameras": {name: stale[name] | table for name, table in new.items()}})
-    print(written({"cameras": new}).strip())
+    print(written({"cameras": new}).strip().removeprefix("[cameras]").lstrip())
     for name, table in new.items():
         print(f"# which is {name}? nodal cameras look --device {table['device']}")
     return 0

@@ -55,12 +55,13 @@ def look_at(camera: str, jpegs: Sequence[bytes]) -> Look:
     pictures = [Picture(camera, jpeg, size_px) for jpeg in jpegs]
     newest = pictures[-1].colour
     brightness = [picture.luma for picture in pictures]
+    edges = edges_in(brightness[-1])
     return Look(
         camera=camera,
         jpeg=jpegs[-1],
         picture=newest,
-        edges=edges_in(brightness[-1]),
-        lighting=lighting_of(newest),
+        edges=edges,
+        lighting=lighting_of(newest, edges.places),
         noise_levels=noise_in(brightness),
         flicker=flicker_in(brightness),
     )

@@ -8,10 +8,9 @@ from pathlib import Path
 import msgspec
 
 from nodal.cameras.judging.measuring import Look
-from nodal.cameras.judging.suggestions import Suggestion, section
+from nodal.cameras.judging.suggestions import Suggestion
 from nodal.cameras.judging.timing import Timing
 from nodal.cameras.judging.verdicts import Finding, Verdict
-from nodal.toml_file import written
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,11 +57,11 @@ def _lines(report: Report, files: Sequence[Path]) -> Iterator[str]:
         yield "cameras together"
         yield from _findings(report.together)
     if report.suggestions:
-        yield "suggested for the bench file (--write puts it there):"
+        yield "suggested for the bench file (--write puts it there)"
         for name, suggestions in report.suggestions.items():
+            yield f"  [cameras.{name}.controls]"
             for suggestion in suggestions:
-                yield f"# {name}.{suggestion.key} = {suggestion.value:g}: {suggestion.reason}"
-        yield written(section(report.suggestions)).rstrip()
+                yield f"  {suggestion.key} = {suggestion.value:g}  # {suggestion.reason}"
     yield "pictures: " + ", ".join(map(str, files))
 
 
