@@ -105,12 +105,16 @@ class CameraDescription:
 
     card: str = "C922 Pro Stream Webcam"
     vendor: str = "046d"
-    serial: str = "5B0C2E1F"
     usb_port: str = "1"
     formats: Mapping[PixelFormat, Mapping[Size, tuple[float, ...]]] = dataclasses.field(
         default_factory=lambda: FORMATS
     )
     controls: tuple[ControlDescription, ...] = CONTROLS
+
+    @property
+    def serial(self) -> str:
+        """The camera's own number; another camera sits in each port."""
+        return f"5B0C2E{self.usb_port:0>2}"
 
     @property
     def bus(self) -> str:
@@ -119,8 +123,8 @@ class CameraDescription:
 
     @property
     def links(self) -> tuple[str, str]:
-        """What udev calls its picture node in /dev/v4l: by the port, and by the camera's own number."""
+        """How udev's names for it in /dev/v4l begin: by the port, and by the camera's own number."""
         return (
-            f"by-path/pci-0000:00:14.0-usb-0:{self.usb_port}:1.0-video-index0",
-            f"by-id/usb-{self.vendor}_{self.card.replace(' ', '_')}_{self.serial}-video-index0",
+            f"by-path/pci-0000:00:14.0-usb-0:{self.usb_port}:1.0",
+            f"by-id/usb-{self.vendor}_{self.card.replace(' ', '_')}_{self.serial}",
         )

@@ -11,13 +11,14 @@ class DeviceFiles:
 
     def __init__(self, folder: Path, description: CameraDescription) -> None:
         self._folder = folder
-        self._links = [folder / "v4l" / link for link in description.links]
+        self._beginnings = [folder / "v4l" / link for link in description.links]
+        self._links: list[Path] = []
         self.nodes: tuple[Path, ...] = ()
 
     @property
     def lasting(self) -> Path:
         """The name by the port that the camera is plugged into."""
-        return self._links[0]
+        return _link(self._beginnings[0], 0)
 
     def create(self) -> None:
         """The lowest numbers that are free are taken."""
@@ -25,14 +26,21 @@ class DeviceFiles:
             path for number in itertools.count() if not (path := self._folder / f"video{number}").exists()
         )
         self.nodes = tuple(itertools.islice(free, 2))
-        for node in self.nodes:
+        for index, node in enumerate(self.nodes):
             node.touch()
-        for link in self._links:
-            link.parent.mkdir(parents=True, exist_ok=True)
-            link.symlink_to(Path("../..") / self.nodes[0].name)
+            for beginning in self._beginnings:
+                link = _link(beginning, index)
+                link.parent.mkdir(parents=True, exist_ok=True)
+                link.symlink_to(Path("../..") / node.name)
+                self._links.append(link)
 
     def remove(self) -> None:
         """Nothing is left."""
         for path in (*self._links, *self.nodes):
             path.unlink(missing_ok=True)
+        self._links.clear()
         self.nodes = ()
+
+
+def _link(beginning: Path, index: int) -> Path:
+    return beginning.with_name(f"{beginning.name}-video-index{index}")
