@@ -11,6 +11,7 @@ from nodal.arithmetic import pin
 from nodal.exit_status import ERROR, INTERRUPTED
 
 COMMANDS = {
+    "new": "make the folder of a bench to begin with, real or simulated",
     "demo": "bring up the whole bench, drive the tip along a circle, and report",
     "estimate": "the robot's shape from still images, without a running bench",
     "do": "ask the controller: home, arm, hold, pause, resume, abort, jog, relax, stop, status; or watch it",

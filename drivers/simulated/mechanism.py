@@ -23,7 +23,10 @@ class Mechanism:
         if self._place is not None:
             servos.stand_at(robot.servos, self._place.recalled_rad())
         self._servos = servos
-        self._drive = drive
+        self._stage_mm_per_rad = drive.stage_mm_per_rad
+        self._pulley_mm_per_rad = np.array(
+            drive.each_pulley_mm_per_rad or robot.servos * (drive.pulley_mm_per_rad,)
+        )
         self._load_Nm: NDArray[np.float64] = np.zeros(servos.count)
 
     @property
@@ -34,10 +37,10 @@ class Mechanism:
     def step(self, dt_s: float) -> RobotState:
         """Let the servos turn against the robot's last pull, then the robot follow."""
         angle_rad, pulling = self._servos.step(dt_s, self._load_Nm), self._robot.servos
-        displacement_mm = angle_rad[:pulling] * self._drive.pulley_mm_per_rad
-        insertion_mm = float(angle_rad[pulling:].sum()) * self._drive.stage_mm_per_rad
+        displacement_mm = angle_rad[:pulling] * self._pulley_mm_per_rad
+        insertion_mm = float(angle_rad[pulling:].sum()) * self._stage_mm_per_rad
         if self._place is not None:
             self._place.keep(float(angle_rad[-1]))
         state = self._robot.step(displacement_mm, insertion_mm, dt_s)
-        self._load_Nm[:pulling] = state.servo_load_N * self._drive.pulley_mm_per_rad * M_PER_MM
+        self._load_Nm[:pulling] = state.servo_load_N * self._pulley_mm_per_rad * M_PER_MM
         return state

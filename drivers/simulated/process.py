@@ -44,7 +44,6 @@ def run(
 
     Raises LinkError, RobotBuildError, SimulatedBoardError, SimulatedCameraError.
     """
-    squares_mm = printed_board(board).squares_mm
     robot = SimulatedRobot(settings.robot)
     section_end_mm = np.cumsum([section.length_mm for section in settings.robot.sections])
     setups = [
@@ -61,6 +60,7 @@ def run(
     ]
     middle_mm = np.array([0.0, 0.0, section_end_mm[-1] / 2])
     lenses = [Lens(calibration) for calibration in calibrations]
+    hands = Hands(printed_board(board).squares_mm, lenses, middle_mm, settings.seed)
     period_ns, place = int(NS_PER_S / settings.step_rate_hz), StagePlace(settings.servos.link)
     sys.setswitchinterval(0.0002)  # the servos' thread answers the bus while this one computes
     with (
@@ -69,9 +69,7 @@ def run(
     ):
         mechanism = Mechanism(robot, servos, settings.drive, place)
         due_ns = time.monotonic_ns()
-        scenes = Scenes(
-            session, cameras, lambda: Hands(squares_mm, lenses, middle_mm, settings.seed), board.at_base
-        )
+        scenes = Scenes(session, cameras, hands, board.at_base)
         photographer = Photographer(settings, cameras, scenes, session, due_ns)
         while not stop.is_set():
             state = mechanism.step(period_ns / NS_PER_S)

@@ -1,6 +1,6 @@
 """What stands before the simulated cameras, and whoever asks for something else there."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +28,13 @@ class Scenes:
         self,
         session: Session,
         cameras: Sequence[CameraProcess],
-        new_hands: Callable[[], Hands],
+        hands: Hands,
         at_base: BoardPlace | None,
     ) -> None:
-        """`new_hands` hold the board from the beginning; `at_base` is where it stands in its fixture, if there is one."""
+        """`hands` begin anew each time the board is asked for; `at_base` is where it stands in its fixture, if there is one."""
         self._answers = session.answers(SIMULATION_SCENE)
         self._cameras = cameras
-        self._hands, self._new_hands = new_hands(), new_hands
+        self._hands = hands
         self._at_base = at_base
         self._scene, self._begun_ns = Scene.ROBOT, 0
         self._asked: Query | None = None
@@ -86,7 +86,6 @@ class Scenes:
         if self._asked is not None:
             self._answer(self._asked, f"scene {request.scene} was asked for before this one stood")
         self._scene, self._begun_ns, self._asked = request.scene, now.time_ns, query
-        self._hands = self._new_hands()
         self.number += 1
 
     def _reason_against(self, scene: Scene, insertion_mm: float) -> str:

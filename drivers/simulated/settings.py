@@ -9,12 +9,17 @@ from drivers.simulated.robot.settings import SimulatedRobotSettings
 from drivers.simulated.servos.settings import EmulatedServosSettings
 
 MmPerRad = Annotated[float, msgspec.Meta(gt=0, le=1000)]
+EitherWayMmPerRad = Annotated[float, msgspec.Meta(ge=-1000, le=1000)]
 
 
 class DriveSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the servos turn: pulleys for the tendon pairs, and the stage's screw. Positive turns pull and insert."""
+    """What the servos turn: pulleys for the tendon pairs, and the stage's screw. Positive turns pull and insert, unless a
+    pulley is wound the other way.
+    """
 
     pulley_mm_per_rad: MmPerRad = 5.0
+    each_pulley_mm_per_rad: tuple[EitherWayMmPerRad, ...] = ()
+    """Of every tendon's or pair's pulley, where they are not all alike; negative for one that is wound the other way."""
     stage_mm_per_rad: MmPerRad = 2.0
 
 
@@ -44,6 +49,11 @@ class SimulationSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
             raise ValueError(
                 f"servos.ids {list(self.servos.ids)}: the robot has {pulling} {what}, so {pulling} ids are "
                 "needed, and the stage's if there is one"
+            )
+        if len(self.drive.each_pulley_mm_per_rad) not in (0, pulling):
+            raise ValueError(
+                f"drive.each_pulley_mm_per_rad {list(self.drive.each_pulley_mm_per_rad)}: needed is one for each of the "
+                f"{pulling} pulleys, or none"
             )
         if len(self.cameras.body.diameter_mm) != len(self.robot.sections):
             raise ValueError(

@@ -12,7 +12,7 @@ from drivers.simulated.cameras.printed_board import PrintedBoard
 from drivers.simulated.cameras.projection import Projection
 
 _FINER = 4  # rays along a pixel's side
-_COARSER, _MOMENTS = 1 / 3, 6  # while it moves, nothing is measured on it
+_COARSER, _MOMENTS = 3, 6  # pixels along the side of a block that has one ray while the board moves
 _STRIP_PX = 64
 _MARGIN_PX = 3
 _NEAREST_MM = 1.0
@@ -49,12 +49,9 @@ class BoardView:
         window = self._window(places)
         if window is None:
             return None
-        if np.array_equal(opened, closed):
-            sheet = self._sampled(window, places[0], _FINER)
-        else:
-            shares = np.linspace(0, 1, _MOMENTS)
-            moments = [(1 - share) * places[0] + share * places[1] for share in shares]
-            sheet = np.mean([self._sampled(window, place, _COARSER) for place in moments], axis=0)
+        sheet = (
+            self._held(window, places[0]) if np.array_equal(opened, closed) else self._moved(window, places)
+        )
         if self._blur_px:
             sheet = np.asarray(cv2.GaussianBlur(sheet, (0, 0), self._blur_px))
         level = sheet[:, :, 0] * self._shade(window, places[0])
@@ -84,39 +81,47 @@ class BoardView:
         window = Window(*corners.astype(int).ravel().tolist())
         return window if min(window.shape) > 0 else None
 
-    def _sampled(self, window: Window, place: Array, finer: float) -> Flat:
-        """(rows, columns, 2) level times cover, and cover, both 0 to 255, from so many rays along a pixel's side."""
-        sheet = self._front if np.linalg.det(place) > 0 else self._back
-        sheet_from_ray = (self._board.pixels_from_board @ np.linalg.inv(place)).astype(np.float32)
+    def _held(self, window: Window, place: Array) -> Flat:
+        """(rows, columns, 2) level times cover, and cover, both 0 to 255, of a board at rest."""
         strips = []
         for top in range(window.top, window.bottom, _STRIP_PX):
             strip = Window(window.left, top, window.right, min(top + _STRIP_PX, window.bottom))
-            x, y = self._rays(strip, finer)
-            across, down, depth = (row[0] * x + row[1] * y + row[2] for row in sheet_from_ray)
-            seen = cv2.remap(sheet, across / depth, down / depth, cv2.INTER_LINEAR, borderValue=(0, 0))
-            back = cv2.INTER_AREA if finer > 1 else cv2.INTER_LINEAR
-            strips.append(cv2.resize(seen.astype(np.float32), strip.shape[::-1], interpolation=back))
+            finer = self._on_rays(place, self._finer_rays(strip))
+            strips.append(cv2.resize(finer, strip.shape[::-1], interpolation=cv2.INTER_AREA))
         return np.concatenate(strips)
 
-    def _rays(self, window: Window, finer: float) -> list[Flat]:
-        """X and y of rays through even parts of the window's pixels, or through blocks of pixels."""
+    def _moved(self, window: Window, places: list[Array]) -> Flat:
+        """The same of a board that goes from one place to another; coarse, for nothing can be measured on it."""
+        size = [-(-side // _COARSER) for side in window.shape[::-1]]
+        rays = [
+            np.asarray(cv2.resize(rays, size, interpolation=cv2.INTER_AREA), np.float32)
+            for rays in self._projection.rays_in(window)
+        ]
+        moments = [(1 - share) * places[0] + share * places[1] for share in np.linspace(0, 1, _MOMENTS)]
+        coarse = np.stack([self._on_rays(place, rays) for place in moments]).mean(axis=0)
+        return np.asarray(cv2.resize(coarse, window.shape[::-1]), np.float32)
+
+    def _on_rays(self, place: Array, rays: list[Flat]) -> Flat:
+        """(rows, columns, 2) what of the sheet is seen along rays (x, y, 1) in the camera frame."""
+        sheet = self._front if np.linalg.det(place) > 0 else self._back
+        sheet_from_ray = (self._board.pixels_from_board @ np.linalg.inv(place)).astype(np.float32)
+        across, down, depth = (row[0] * rays[0] + row[1] * rays[1] + row[2] for row in sheet_from_ray)
+        seen = cv2.remap(sheet, across / depth, down / depth, cv2.INTER_LINEAR, borderValue=(0, 0))
+        return seen.astype(np.float32)
+
+    def _finer_rays(self, window: Window) -> list[Flat]:
+        """X and y of rays through even parts of the window's pixels."""
         around = Window(
             max(window.left - 1, 0),
             max(window.top - 1, 0),
             min(window.right + 1, self._projection.width_px),
             min(window.bottom + 1, self._projection.height_px),
         )
-        if finer < 1:
-            size = [max(1, round(finer * side)) for side in window.shape[::-1]]
-            return [
-                np.asarray(cv2.resize(rays, size, interpolation=cv2.INTER_AREA))
-                for rays in self._projection.rays_in(window)
-            ]
-        size = [int(finer * side) for side in around.shape[::-1]]
+        size = [_FINER * side for side in around.shape[::-1]]
         inner = window.within(around)
-        scaled = Window(*(int(finer * side) for side in (inner.left, inner.top, inner.right, inner.bottom)))
+        rows, columns = (slice(_FINER * part.start, _FINER * part.stop) for part in inner.slices)
         return [
-            np.asarray(cv2.resize(rays, size, interpolation=cv2.INTER_LINEAR)[scaled.slices], np.float32)
+            np.asarray(cv2.resize(rays, size, interpolation=cv2.INTER_LINEAR)[rows, columns], np.float32)
             for rays in self._projection.rays_in(around)
         ]
 

@@ -17,6 +17,7 @@ from drivers.cameras import FrameSetPairing, SimulatedCameraSettings, open_camer
 from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.settings import SimulationSettings
 from messaging import topics
+from messaging.scene import Scene, SceneRequest
 from messaging.session import open_rendezvous, open_session
 from messaging.settings import ZenohSettings
 
@@ -149,6 +150,41 @@ def test_a_bench_whose_camera_dies_ends_with_an_error_that_names_it(start, sessi
         assert bench.wait(10) != 0
 
 
+def decoded(frame):
+    return cv2.imdecode(np.frombuffer(frame.jpeg, np.uint8), cv2.IMREAD_COLOR)
+
+
+def white_px(frame) -> int:
+    """How much of the picture is as bright in all colours as only paper is."""
+    return int((decoded(frame).min(axis=2) > 80).sum())
+
+
+def test_a_scene_is_answered_when_its_pictures_have_come_and_has_no_truth_without_the_robot(
+    start, session
+) -> None:
+    def ask(scene: Scene):
+        return session.ask(topics.SIMULATION_SCENE, SceneRequest(scene=scene), 40.0)
+
+    truths = session.newest(topics.TRUTH)
+    newest = [session.newest(topics.SIMULATED_CAMERA.named(name)) for name in ("left", "right")]
+    start()
+    white = {}
+    for scene in (Scene.ROBOT, Scene.EMPTY, Scene.BOARD_AT_BASE, Scene.BOARD):
+        reply = ask(scene)
+        assert reply.accepted, reply.reason
+        assert reply.state == scene
+        # whatever comes last before the answer is of the scene already
+        white[scene] = [white_px(ring.take()[0]) for ring in newest]
+    assert max(white[Scene.ROBOT] + white[Scene.EMPTY]) < 500, white
+    assert min(white[Scene.BOARD_AT_BASE] + white[Scene.BOARD]) > 2000, white
+    truths.take()
+    for _ in range(5):
+        until(newest[0].take)
+    assert truths.take() is None
+    assert ask(Scene.ROBOT).accepted
+    until(truths.take)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -159,6 +195,10 @@ def test_a_bench_whose_camera_dies_ends_with_an_error_that_names_it(start, sessi
         (
             {"cameras": {"body": {"diameter_mm": [6.0]}}},
             "one colour for each|one for each of the robot's 2 sections|colours",
+        ),
+        (
+            {"drive": {"each_pulley_mm_per_rad": [5.0, -5.0]}},
+            r"one for each of the 4 pulleys, or none",
         ),
         ({"speed": 3}, "unknown field `speed`"),
         ({"step_rate_hz": 5}, ">= 50"),

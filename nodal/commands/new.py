@@ -1,0 +1,58 @@
+"""`nodal new`: the folder of a bench to begin with."""
+
+import argparse
+from pathlib import Path
+
+REAL_STEPS = (
+    ("fill in the lines marked FILL IN", ""),
+    ("cameras list", "what is plugged in"),
+    ("cameras write --config {bench}", "the cameras into the bench file, by names that last"),
+    ("cameras look --config {bench}", "what they see, and how well"),
+    ("servos setup --config {bench}", "each servo, then `nodal servos check`"),
+    ("calibrate board --config {bench}", "the board to print, and what its ruler measures"),
+)
+SIMULATED_STEPS = (("cameras look --config {bench}", "what the cameras see, and how well"),)
+STEPS = (
+    ("calibrate cameras --config {bench}", "lenses, and where the cameras stand to one another"),
+    ("calibrate base --config {bench}", "where the robot stands before them"),
+    ("calibrate background --config {bench}", "what they see without the robot"),
+    ("calibrate robot --config {bench}", "what the servos do to the robot"),
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where, and whether it is simulated."""
+    parser.add_argument(
+        "folder", type=Path, metavar="FOLDER", help="new or empty; the bench is named after it"
+    )
+    parser.add_argument(
+        "--simulated",
+        action="store_true",
+        help="a simulated bench out of its box: nothing is calibrated, cameras and servos are not quite where and what they "
+        "should be, one servo is wound the other way",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="which simulated bench: the same number gives the same one (default 1)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write it, and say what comes next. Raises CommandError, BenchFileError, CalibrationFileError."""
+    from nodal.errors import CommandError  # noqa: PLC0415
+    from nodal.new.writing import write_real, write_simulated  # noqa: PLC0415
+
+    if arguments.seed is not None and not arguments.simulated:
+        raise CommandError(f"--seed {arguments.seed}: only a bench that is --simulated is drawn by chance")
+    seed = 1 if arguments.seed is None else arguments.seed
+    if seed < 0:
+        raise CommandError(f"--seed {seed}: it must be 0 or more")
+    bench = write_simulated(arguments.folder, seed) if arguments.simulated else write_real(arguments.folder)
+    print(
+        f"{bench}: a {'simulated bench' if arguments.simulated else 'bench'} that is not calibrated yet. Next:"
+    )
+    for step, meaning in (*SIMULATED_STEPS, *STEPS) if arguments.simulated else (*REAL_STEPS, *STEPS):
+        print(f"  nodal {step.format(bench=bench):<50} {meaning}" if meaning else f"  {step}")
+    return 0
