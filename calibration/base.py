@@ -57,6 +57,8 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     robot: RobotFound | None = None
     made_at: str = ""
     """ISO 8601, UTC."""
+    cameras_made_at: str = ""
+    """When the cameras were calibrated in whose rig frame this is."""
 
     @property
     def matrix(self) -> Array:
@@ -85,10 +87,6 @@ class BasesFound(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     used: Way
     board: Base | None = None
     robot: Base | None = None
-
-    def one(self, way: Way) -> Base | None:
-        """The result of a way, if there is one."""
-        return self.board if way == "board" else self.robot
 
 
 @dataclass(frozen=True)

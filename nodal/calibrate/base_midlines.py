@@ -37,6 +37,10 @@ class Midline:
     misfit: float
 
 
+Midlines = Mapping[Tip, Midline]
+"""For each way in which the robot may end."""
+
+
 class MidlineFinder:
     """Finds midlines of a robot of known length in pictures of a scene in any frame."""
 
@@ -49,7 +53,7 @@ class MidlineFinder:
             for camera in scene.cameras
         }
 
-    def find(self, pictures: Mapping[str, Picture]) -> dict[Tip, Midline]:
+    def find(self, pictures: Mapping[str, Picture]) -> Midlines:
         """The midline for each way in which the robot may end; raises RefusedError when it is not seen well."""
         cameras = self._scene.cameras
         found = {
