@@ -61,14 +61,16 @@ def _alone(size: Size, observations: Sequence[Observation], prior: Prior) -> tup
 
 def pose_alone(intrinsics: Array, seen: Observation) -> tuple[Array, float]:
     """`camera_from_board` (4, 4), mm, and its RMS in px, from one camera's corners (IPPE; Collins and Bartoli, 2014)."""
+    # OpenCV refuses every second row of an array
+    points_mm, px = np.ascontiguousarray(seen.points_mm), np.ascontiguousarray(seen.px)
     _, turns, shifts, _ = cv2.solvePnPGeneric(
-        seen.points_mm, seen.px, matrix(intrinsics), intrinsics[4:], flags=cv2.SOLVEPNP_IPPE
+        points_mm, px, matrix(intrinsics), intrinsics[4:], flags=cv2.SOLVEPNP_IPPE
     )
     pose = np.eye(4)
     pose[:3, :3] = cv2.Rodrigues(turns[0])[0]
     pose[:3, 3] = np.ravel(shifts[0])
-    px = project(intrinsics, transformed(pose, seen.points_mm))[0]
-    return pose, float(np.sqrt(np.mean((px - seen.px) ** 2)))
+    predicted_px = project(intrinsics, transformed(pose, seen.points_mm))[0]
+    return pose, float(np.sqrt(np.mean((predicted_px - seen.px) ** 2)))
 
 
 def _linked(names: Sequence[str], poses: Sequence[Poses]) -> list[Array]:
