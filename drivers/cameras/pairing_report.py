@@ -45,7 +45,10 @@ class PairingReport:
     def _sets(self) -> str:
         allowed = f"{MS_PER_S * self._pairing.maximum_skew_s:g} ms are allowed"
         if not self._skews_s:
-            return f"no frame set: the cameras' frames lie further apart than allowed ({allowed})"
+            return (
+                f"no frame set, for the cameras' frames lie too far apart ({allowed}): start one camera anew, "
+                "or let sensing.maximum_skew_s be half a frame's period"
+            )
         mean_ms = MS_PER_S * sum(self._skews_s) / len(self._skews_s)
         return (
             f"{len(self._skews_s)} frame sets, their frames {mean_ms:.1f} ms apart on average, "

@@ -103,7 +103,7 @@ def test_the_libraries_run_without_memory_that_is_writable_and_executable():
     if libc.prctl(PR_GET_MDWE, 0, 0, 0, 0) < 0:
         pytest.skip("this kernel is older than 6.3 and cannot confine a process so")
     work = (
-        "import cv2, numpy, scipy.optimize, serial, zenoh\n"
+        "import cv2, linuxpy.video.device, numpy, scipy.optimize, serial, zenoh\n"
         "from mcap.writer import Writer\n"
         "cv2.imdecode(cv2.imencode('.jpg', numpy.zeros((64, 64, 3), 'u1'))[1], 1)\n"
         "scipy.optimize.least_squares(lambda x: x - 1, [0.0])\n"
@@ -118,6 +118,14 @@ def test_the_libraries_run_without_memory_that_is_writable_and_executable():
         check=False,
     )
     assert confined.returncode == 0, confined.stderr
+
+
+def test_cameras_are_for_sensing_alone():
+    reaching = {
+        service for service in SERVICES if "DeviceAllow=char-video4linux" in (SYSTEMD / service).read_text()
+    }
+    assert reaching == {"nodal-sense.service"}
+    assert "SupplementaryGroups=video\n" in (SYSTEMD / "nodal-sense.service").read_text()
 
 
 def test_only_the_controller_may_ask_for_real_time(analyze, installed):

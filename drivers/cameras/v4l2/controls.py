@@ -4,6 +4,7 @@ Order matters: a camera refuses a value that it sets itself (V4L2 user-space API
 """
 
 import dataclasses
+import math
 import time
 from collections.abc import Callable
 
@@ -35,7 +36,7 @@ SWITCHED_OFF = {
 """What would change the picture by itself, and the value that keeps it from doing so."""
 
 POWER_LINE_HZ = (0, 50, 60)
-"""By the menu of V4L2_CID_POWER_LINE_FREQUENCY."""
+"""By the menu of V4L2_CID_POWER_LINE_FREQUENCY; a fourth entry, where there is one, leaves it to the camera."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -59,7 +60,7 @@ SETTINGS = {
     "power_line_hz": ControlSetting(
         control=ControlID.POWER_LINE_FREQUENCY,
         number=lambda hz: POWER_LINE_HZ.index(int(hz)),
-        value=lambda number: POWER_LINE_HZ[number] if number < len(POWER_LINE_HZ) else number,
+        value=lambda number: dict(enumerate(POWER_LINE_HZ)).get(number, math.nan),
     ),
     "sharpness": ControlSetting(control=ControlID.SHARPNESS),
     "brightness": ControlSetting(control=ControlID.BRIGHTNESS),

@@ -1,5 +1,6 @@
 """The cameras that are plugged in, and what they can do."""
 
+import contextlib
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,7 +10,7 @@ from linuxpy.video.device import BaseMonoControl, BufferType, Device, FrameSizeT
 from drivers.cameras.errors import CameraDeviceError
 from drivers.cameras.v4l2.controls import SETTINGS, setting_of
 from drivers.cameras.v4l2.device_files import first_name, lasting_names, picture_devices
-from drivers.cameras.v4l2.opening import device_errors
+from drivers.cameras.v4l2.opening import device_errors, open_device
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,7 +64,7 @@ def devices() -> tuple[DeviceDescription, ...]:
 def _described(node: Path) -> DeviceDescription:
     path, lasting = first_name(node), tuple(lasting_names(node))
     try:
-        with device_errors(str(path)), Device(node) as device:
+        with device_errors(str(path)), contextlib.closing(open_device(str(path))) as device:
             return DeviceDescription(
                 path=path,
                 lasting_paths=lasting,

@@ -21,7 +21,15 @@ def open_device(device: str) -> Device:
     """The device, open; raises CameraDeviceError when it is missing, forbidden, or gives no pictures."""
     opened = Device(device)
     with device_errors(device):
-        opened.open()
+        try:
+            opened.open()
+        except FileNotFoundError as error:
+            raise CameraDeviceError(f"{device} is not there; {_present()}") from error
+        except PermissionError as error:
+            raise CameraDeviceError(
+                f"{device} may not be opened by this user; members of the group `video` may: "
+                "sudo usermod -aG video $USER, then log in anew"
+            ) from error
         if Capability.VIDEO_CAPTURE not in opened.info.device_capabilities:
             card = opened.info.card
             opened.close()
@@ -34,16 +42,13 @@ def device_errors(device: str) -> Iterator[None]:
     """Say what the kernel refuses; raises CameraDeviceError, and CameraBusyError when another program has the camera."""
     try:
         yield
-    except FileNotFoundError as error:
-        raise CameraDeviceError(f"{device} is not there; {_present()}") from error
-    except PermissionError as error:
-        raise CameraDeviceError(
-            f"{device} may not be opened by this user; members of the group `video` may: "
-            "sudo usermod -aG video $USER, then log in anew"
-        ) from error
     except OSError as error:
         if error.errno == errno.EBUSY:
             raise CameraBusyError(f"{device} is in use {_by_whom(device)}") from error
+        if error.errno == errno.ENOSPC:
+            raise CameraDeviceError(
+                f"{device}: its USB bus has no room left for these pictures; plug each camera into a controller of its own"
+            ) from error
         raise CameraDeviceError(f"{device}: {error.strerror or error}") from error
 
 

@@ -41,6 +41,8 @@ class StandInCamera:
         self.buffers = Buffers(pictures)
         self.files: DeviceFiles | None = None
         self.is_permitted = True
+        self.start_refused = 0
+        """The error number that it answers with when a stream is to start; none for zero."""
         self.starts = 0
         """How often a stream was started."""
         self._opened: set[int] = set()
@@ -177,6 +179,8 @@ class StandInCamera:
         asked.timestamp.secs, asked.timestamp.usecs = divmod(filled.timestamp_us, 1_000_000)
 
     def _start(self, _: Any) -> None:
+        if self.start_refused:
+            raise OSError(self.start_refused, os.strerror(self.start_refused))
         self.buffers.start()
         self._hung = None
         self.starts += 1

@@ -1,5 +1,6 @@
 """A camera that is not there, taken, forbidden, or gives something else is an error that says so."""
 
+import errno
 import os
 
 import pytest
@@ -45,6 +46,14 @@ def test_a_camera_that_another_program_streams_from_is_busy(webcam, opened):
         # whoever has the device file itself open is named
         with webcam.files.nodes[0].open(), pytest.raises(CameraBusyError, match=rf"process {os.getpid()}\)"):
             opened(webcam)
+
+
+def test_a_bus_without_room_is_said_and_the_camera_let_go(webcam, opened):
+    webcam.start_refused = errno.ENOSPC
+    with pytest.raises(CameraDeviceError, match="its USB bus has no room left"):
+        opened(webcam)
+    webcam.start_refused = 0
+    opened(webcam)
 
 
 def test_another_size_granted_is_an_error_naming_both_and_what_there_is(webcam, opened):
