@@ -15,6 +15,7 @@ from drivers.cameras.v4l2.settings import V4l2CameraSettings
 BUFFERS = 4
 NS_PER_S = 1_000_000_000
 NS_PER_US = 1_000
+OTHER_CLOCK = "its driver does not stamp pictures by the monotonic clock"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -55,6 +56,8 @@ class Stream:
             return None
         stamp = frame.buff.timestamp
         stamp_ns = stamp.secs * NS_PER_S + stamp.usecs * NS_PER_US
+        if stamp_ns > time.monotonic_ns() + NS_PER_S:
+            raise CameraFormatError(f"{OTHER_CLOCK}: a picture comes from the future")
         if stamp_ns < self._not_before_ns:
             return None
         self._not_before_ns = 0
@@ -89,6 +92,6 @@ def _middle_ns(capture: VideoCapture, exposure_s: float) -> int:
     """
     flags = capture.buffers[0].flags
     if flags & BufferFlag.TIMESTAMP_MASK != BufferFlag.TIMESTAMP_MONOTONIC:
-        raise CameraFormatError("its driver does not stamp pictures by the monotonic clock")
+        raise CameraFormatError(OTHER_CLOCK)
     half_ns = round(exposure_s * NS_PER_S / 2)
     return half_ns if flags & BufferFlag.TSTAMP_SRC_MASK == BufferFlag.TSTAMP_SRC_SOE else -half_ns

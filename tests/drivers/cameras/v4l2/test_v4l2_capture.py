@@ -50,6 +50,15 @@ def test_a_driver_that_stamps_by_another_clock_is_refused(webcam, opened):
         opened(webcam)
 
 
+def test_a_driver_whose_stamps_are_not_of_the_clock_that_it_says_is_named(webcam, opened, eventually, caplog):
+    camera = opened(webcam)
+    webcam.expose(timestamp_ns=time.monotonic_ns() + 1_000_000_000_000)
+    eventually(
+        lambda: "camera left: its driver does not stamp pictures by the monotonic clock" in caplog.text
+    )
+    assert camera.read() is None
+
+
 def test_pictures_lost_on_the_way_are_counted_and_leave_a_gap(webcam, opened, taken, caplog):
     camera = opened(webcam)
     taken(webcam, camera)
