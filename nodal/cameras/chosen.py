@@ -50,13 +50,14 @@ def chosen_cameras(
 def running_cameras(
     bench: "BenchFile", chosen: "Mapping[str, CameraSettings]", process: str
 ) -> "Iterator[tuple[list[Camera], Session]]":
-    """These cameras, running, and a session of this process on the bench; what the bench's own cameras need is started, and
-    files are read as fast as they can be. Raises CameraError, ProcessError.
+    """These cameras, running, and a session of this process on the bench; what simulated cameras need is started, and files are
+    read as fast as they can be. Raises CameraError, ProcessError.
     """
-    from drivers.cameras import open_cameras  # noqa: PLC0415
+    from drivers.cameras import SimulatedCameraSettings, open_cameras  # noqa: PLC0415
     from nodal.processes.missing import with_processes  # noqa: PLC0415
 
-    needed = ("rendezvous", "simulate") if chosen == bench.settings.cameras else ()
+    simulated = any(isinstance(settings, SimulatedCameraSettings) for settings in chosen.values())
+    needed = ("rendezvous", "simulate") if simulated else ()
     with (
         with_processes(bench, process, needed) as session,
         open_cameras(chosen, session, paced=False) as cameras,

@@ -20,6 +20,8 @@ from messaging.checked import FloatArray
 from sensing.pictures.light import Image
 
 FINE_PX, COARSE_PX = 1.0, 2.0
+DIFFERENCE_PX2 = 1 / 3
+"""The variance of what the difference of a pixel's two neighbours averages over, which smooths too."""
 STRONG_LEVELS = 25.0
 """An edge counts whose two sides differ by about as much."""
 FEWEST = 200
@@ -66,9 +68,11 @@ def _edges(luma: Image) -> Edges:
     strong = height > STRONG_LEVELS / (np.sqrt(2 * np.pi) * COARSE_PX)
     rows, columns = np.nonzero(strong & _is_crest(height, fine))
     ratio = (height[rows, columns] / np.maximum(np.hypot(*coarse)[rows, columns], 1e-6)) ** 2
-    usable = (ratio > 1.0) & (ratio < (COARSE_PX / FINE_PX) ** 2)
-    squares = (COARSE_PX**2 - ratio[usable] * FINE_PX**2) / (ratio[usable] - 1.0)
-    return Edges(np.column_stack([columns, rows])[usable], np.sqrt(squares).astype(np.float64))
+    usable = ratio > 1.0
+    fine_px2, coarse_px2 = (sigma_px**2 + DIFFERENCE_PX2 for sigma_px in (FINE_PX, COARSE_PX))
+    squares = (coarse_px2 - ratio[usable] * fine_px2) / (ratio[usable] - 1.0)
+    blur_px = np.sqrt(np.maximum(squares, 0.0)).astype(np.float64)
+    return Edges(np.column_stack([columns, rows])[usable], blur_px)
 
 
 def _gradient(luma: Image, sigma_px: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
