@@ -14,7 +14,8 @@ CLEAR = 0.6
 MOST_NAMED = 4
 MOST_OFF = 0.25
 """Squares: what tells a lens from another layout, whose markers are off by whole squares."""
-MOST_SHARE_ERROR = 0.06
+MOST_SHARE_ERROR, OUTLINE_PX = 0.05, 1.5
+"""In squares; and how exactly the outlines of markers are found."""
 
 
 def charuco_board(settings: BoardSettings) -> cv2.aruco.CharucoBoard:
@@ -70,11 +71,11 @@ class Charuco:
         if ids is None or len(ids) < 4:
             return Missing(f"{len(markers)} markers are in sight, with hardly a corner between two of them")
         found = np.ravel(ids).astype(np.int64), np.reshape(px, (-1, 2)).astype(np.float64)
-        share, printed = (
-            self._marker_share(*found, outlines_px),
-            self._settings.marker_mm / self._settings.square_mm,
-        )
-        if share is not None and abs(share - printed) > MOST_SHARE_ERROR:
+        share = self._marker_share(*found, outlines_px)
+        printed = self._settings.marker_mm / self._settings.square_mm
+        if share is not None and abs(share - printed) > MOST_SHARE_ERROR + OUTLINE_PX * share / _side(
+            outlines_px
+        ):
             return Missing(
                 f"another layout: markers are {share:.2f} of a square wide, "
                 f"board.marker_mm / board.square_mm says {printed:.2f}"
@@ -98,5 +99,9 @@ class Charuco:
         )
         if board_from_picture is None:
             return None
-        outlines = mapped(board_from_picture, outlines_px)
-        return float(np.median(np.linalg.norm(outlines - np.roll(outlines, 1, axis=1), axis=2)))
+        return _side(mapped(board_from_picture, outlines_px))
+
+
+def _side(outlines: Array) -> float:
+    """How long the sides of quadrangles (n, 4, 2) are."""
+    return float(np.median(np.linalg.norm(outlines - np.roll(outlines, 1, axis=1), axis=2)))
