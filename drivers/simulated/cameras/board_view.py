@@ -11,7 +11,7 @@ from drivers.simulated.cameras.light import Light
 from drivers.simulated.cameras.printed_board import PrintedBoard
 from drivers.simulated.cameras.projection import Projection
 
-_FINER = 4  # rays along a pixel's side
+_FINER = 3  # rays along a pixel's side: within two levels of ever more rays, which noise hides
 _COARSER, _MOMENTS = 3, 6  # pixels along the side of a block that has one ray while the board moves
 _STRIP_PX = 64
 _MARGIN_PX = 3
