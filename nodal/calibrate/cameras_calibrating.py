@@ -42,7 +42,7 @@ def calibrate_cameras(arguments: argparse.Namespace) -> Outcome:
         found = _calibrated(taking, board)
     except (ViewsError, CalibrationError) as error:
         raise CalibrationError(
-            f"{error}\nNothing was changed; the views of this attempt are in {kept.folder}"
+            f"{error}\nnothing was changed; the views of this attempt are in {kept.set_aside()}"
         ) from error
     before = _before(bench)
     save_cameras(folder / CAMERAS, found.cameras)

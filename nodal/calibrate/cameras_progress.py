@@ -18,6 +18,7 @@ COLUMNS, ROWS = 16, 9
 SHADES = " ░▒▓█"
 FULL = 20
 """So many corners in a block of the picture are as good as any more."""
+MOST_WANTED = 4
 LINE_S = 3.0
 
 
@@ -66,7 +67,7 @@ def drawn(taking: Taking) -> Group:
     facts = Table.grid(padding=(0, 2))
     facts.add_row(Text("views", style="bold"), f"{len(taking.views)} taken")
     facts.add_row(Text("last look", style="bold"), Text(_judged(taking)))
-    for number, wanted in enumerate(taking.missing or ("nothing, that is enough",)):
+    for number, wanted in enumerate(taking.missing[:MOST_WANTED] or ("nothing, that is enough",)):
         facts.add_row(Text("" if number else "still missing", style="bold"), Text(wanted))
     pictures = Table.grid(padding=(0, 3))
     pictures.add_row(*(Text(camera, style="bold") for camera in taking.sizes))

@@ -15,7 +15,7 @@ from nodal.errors import CalibrationFileError
 
 Array = NDArray[np.float64]
 
-VIEWS, NEW_VIEWS = "views", "views.new"
+VIEWS, NEW_VIEWS, REFUSED_VIEWS = "views", "views.new", "views.refused"
 FOUND = "views.json"
 Point = tuple[float, float]
 Row4 = tuple[float, float, float, float]
@@ -63,15 +63,15 @@ class NewViews:
 
     def __init__(self, calibration: Path) -> None:
         """`calibration` is the folder of the calibration; what an earlier attempt left is removed."""
-        self._views = calibration / VIEWS
-        self.folder = calibration / NEW_VIEWS
-        shutil.rmtree(self.folder, ignore_errors=True)
-        make_folder(self.folder, "calibration")
+        self._calibration = calibration
+        self._folder = calibration / NEW_VIEWS
+        shutil.rmtree(self._folder, ignore_errors=True)
+        make_folder(self._folder, "calibration")
 
     def keep(self, view: str, frames: Iterable[CameraFrame]) -> None:
         """The cameras' own pictures of this view; raises CalibrationFileError."""
         for frame in frames:
-            _write(self.folder / picture_name(view, frame.name), frame.jpeg)
+            _write(self._folder / picture_name(view, frame.name), frame.jpeg)
 
     def replace_old(self, calibration: Calibration) -> None:
         """They are the views in force; raises CalibrationFileError."""
@@ -82,12 +82,20 @@ class NewViews:
             ),
             sightings=tuple(map(KeptSighting.of, calibration.sightings)),
         )
-        _write(self.folder / FOUND, msgspec.json.encode(kept))
-        shutil.rmtree(self._views, ignore_errors=True)
+        _write(self._folder / FOUND, msgspec.json.encode(kept))
+        self._become(VIEWS)
+
+    def set_aside(self) -> Path:
+        """They were not enough; returns where they are, to be added to and tried again. Raises CalibrationFileError."""
+        return self._become(REFUSED_VIEWS)
+
+    def _become(self, name: str) -> Path:
+        place = self._calibration / name
+        shutil.rmtree(place, ignore_errors=True)
         try:
-            self.folder.rename(self._views)
+            return self._folder.rename(place)
         except OSError as error:
-            raise CalibrationFileError(f"{self._views}: cannot be replaced: {error.strerror}") from error
+            raise CalibrationFileError(f"{place}: cannot be replaced: {error.strerror}") from error
 
 
 def kept_views(calibration: Path) -> KeptViews:

@@ -1,0 +1,123 @@
+"""`nodal calibrate cameras` as it is typed, from pictures of a board, and what it keeps and refuses."""
+
+import dataclasses
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from calibration.camera_set import CameraSet
+from nodal.__main__ import main
+from nodal.calibrate.cameras_taking import Taking
+from nodal.calibrate.kept_views import kept_pictures, kept_views
+from nodal.calibration.folder import cameras_in
+from nodal.calibration_file import save_rig
+
+
+def images(folder):
+    """The words that stand for these pictures."""
+    return ["--images", f"left={folder}/*_left.jpg", f"right={folder}/*_right.jpg"]
+
+
+def calibrated(bench, folder, *more):
+    return main(["calibrate", "cameras", "--config", str(bench), *images(folder), *more])
+
+
+def angle_deg(cameras: CameraSet):
+    turn = np.array(cameras.cameras[1].camera_from_rig)[:3, :3]
+    return np.degrees(np.arccos((np.trace(turn) - 1) / 2))
+
+
+@pytest.fixture
+def few(tmp_path, shots):
+    """The first two views."""
+    folder = tmp_path / "few"
+    folder.mkdir()
+    for file in sorted(shots.iterdir())[:4]:
+        shutil.copy(file, folder)
+    return folder
+
+
+def test_pictures_become_cameras_with_the_views_and_a_report_beside_them(first_calibration, shots):
+    bench, printed = first_calibration
+    folder = bench.parent / "calibration"
+    cameras = cameras_in(folder / "cameras.json")
+    assert [camera.name for camera in cameras.cameras] == ["left", "right"]
+    for camera in cameras.cameras:
+        assert np.array(camera.intrinsics)[:2, 2] == pytest.approx((480, 270), abs=0.5)
+        assert np.diag(camera.intrinsics)[:2] == pytest.approx(720, abs=0.5)
+    assert angle_deg(cameras) == pytest.approx(50, abs=0.02)
+    assert list(cameras.views_rejected) == ["12"]
+    assert cameras.made_at
+    assert set(kept_views(folder).rig_from_board) == {f"{number:02d}" for number in range(12)}
+    pictures = kept_pictures(folder, ("left", "right"))
+    assert pictures["05"]["right"].read_bytes() == (shots / "05_right.jpg").read_bytes()
+    assert (folder / "report.html").exists()
+    assert "verdict: good" in printed
+    assert "view 12 rejected: left: no marker of DICT_4X4_50 is in sight" in printed
+    assert "elsewhere" not in printed
+    assert f"next: nodal calibrate base --config {bench}" in printed
+
+
+def test_what_was_kept_is_calibrated_again_and_compared_with_the_calibration_file(calibrated_bench, capsys):
+    folder = calibrated_bench.parent / "calibration"
+    first = cameras_in(folder / "cameras.json")
+    rig = first.in_robot_frame(np.eye(4))
+    shift = np.eye(4)
+    shift[0, 3] = 2.0
+    moved = dataclasses.replace(rig[1], camera_from_robot=shift @ rig[1].camera_from_robot)
+    save_rig(folder / "rig.json", [rig[0], moved])
+    before = (folder / "rig.json").read_bytes()
+    assert calibrated(calibrated_bench, folder / "views", "--json") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert cameras_in(folder / "cameras.json").cameras == first.cameras
+    assert (folder / "rig.json").read_bytes() == before
+    assert again["verdict"] == "good"
+    assert again["cameras"]["cameras"][0]["intrinsics"] == [list(row) for row in first.cameras[0].intrinsics]
+    assert again["moved"] == [
+        {"camera": "right", "shift_mm": pytest.approx(2), "turn_deg": pytest.approx(0, abs=1e-5)}
+    ]
+
+
+def test_a_refusal_leaves_everything_as_it_was(calibrated_bench, few, capsys):
+    folder = calibrated_bench.parent / "calibration"
+    before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    assert calibrated(calibrated_bench, few) == 3
+    told = capsys.readouterr().err
+    assert "camera left sees the board in 2 views that differ; at least 3 are needed" in told
+    assert f"nothing was changed; the views of this attempt are in {folder / 'views.refused'}" in told
+    assert {file: file.read_bytes() for file in before} == before
+    # they can be added to and tried again: they are not lost while they are read
+    assert calibrated(calibrated_bench, folder / "views.refused") == 3
+    assert len(list((folder / "views.refused").iterdir())) == 4
+
+
+def test_pictures_without_a_board_are_refused_with_the_reason(bench, tmp_path, shots, capsys):
+    folder = tmp_path / "none"
+    folder.mkdir()
+    for camera in ("left", "right"):
+        shutil.copy(shots / f"12_{camera}.jpg", folder)
+    assert calibrated(bench, folder) == 3
+    assert "no marker of DICT_4X4_50 is in sight" in capsys.readouterr().err
+
+
+def test_every_camera_needs_pictures(bench, shots, capsys):
+    words = ["calibrate", "cameras", "--config", str(bench), "--images", f"left={shots}/*_left.jpg"]
+    assert main(words) == 2
+    assert "camera right: no pictures are given" in capsys.readouterr().err
+    assert calibrated(bench, shots, "--views", "0") == 2
+
+
+def test_an_interrupt_goes_on_with_the_views_that_there_are(bench, shots, capsys, monkeypatch):
+    look = Taking.look
+
+    def interrupted(self, frame_set):
+        if len(self.views) == 8:
+            raise KeyboardInterrupt
+        return look(self, frame_set)
+
+    monkeypatch.setattr(Taking, "look", interrupted)
+    assert calibrated(bench, shots) == 0
+    assert "going on with the views that there are" in capsys.readouterr().err
+    assert cameras_in(bench.parent / "calibration" / "cameras.json").views_used == 8

@@ -1,0 +1,74 @@
+"""Verdicts on calibrated cameras, and the page that shows them."""
+
+import re
+
+import msgspec
+import numpy as np
+import pytest
+
+from calibration.camera_set import BoardCheck
+from nodal.__main__ import main
+from nodal.calibrate.cameras_verdict import Grade, judgements, overall
+from nodal.calibration.folder import cameras_in
+from nodal.calibration_file import save_rig
+
+SECTIONS = ["cameras", "accuracy", "space", "coverage", "residuals", "distortion", "views"]
+
+
+def sections_of(page):
+    return re.findall(r'<section id="([a-z-]+)">', page)
+
+
+@pytest.fixture
+def cameras(first_calibration):
+    return cameras_in(first_calibration[0].parent / "calibration" / "cameras.json")
+
+
+def test_the_worst_figure_makes_the_verdict(cameras):
+    assert overall(judgements(cameras)) is Grade.GOOD
+    left, right = cameras.cameras
+    blurred = msgspec.structs.replace(left, held_out_rms_px=0.3)
+    assert overall(judgements(msgspec.structs.replace(cameras, cameras=(blurred, right)))) is Grade.FAIR
+    bent = BoardCheck(squares=100, mean_error_mm=0.0, rms_error_mm=0.01, flatness_mm=0.4)
+    found = judgements(msgspec.structs.replace(cameras, board_check=bent))
+    assert overall(found) is Grade.POOR
+    assert [one.what for one in found if one.grade is not Grade.GOOD] == ["flatness of the board"]
+
+
+def test_a_scale_error_is_told_as_an_error_of_the_robot(cameras):
+    short = BoardCheck(squares=100, mean_error_mm=-0.02, rms_error_mm=0.02, flatness_mm=0.0)
+    found = judgements(msgspec.structs.replace(cameras, board_check=short))
+    scale = next(one for one in found if one.what.startswith("scale"))
+    assert scale.value == pytest.approx(0.16)
+    assert scale.grade is Grade.POOR
+
+
+def test_the_report_is_one_file_with_all_there_is(first_calibration, tmp_path, capsys):
+    bench, _ = first_calibration
+    assert main(["calibration", "report", "--config", str(bench), "--out", str(tmp_path / "page.html")]) == 0
+    assert capsys.readouterr().out.strip() == str(tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert sections_of(page) == SECTIONS
+    assert set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page)) == set()
+    assert page.index("Nothing speaks against these cameras.") < page.index('<section id="cameras">')
+    assert re.search(r"camera left: \d+ corners of 12 views, residuals 100+ times as long", page)
+    assert "left: no marker of DICT_4X4_50 is in sight" in page
+    assert page.count("data:image/jpeg") >= 2 + 2 * 6
+
+
+def test_cameras_of_somebody_else_have_a_report_of_what_is_known(calibrated_bench, cameras, capsys):
+    folder = calibrated_bench.parent / "calibration"
+    save_rig(folder / "rig.json", cameras.in_robot_frame(np.eye(4)))
+    (folder / "cameras.json").unlink()
+    (folder / "views" / "views.json").unlink()
+    for file in (folder / "views").iterdir():
+        file.unlink()
+    assert main(["calibration", "report", "--config", str(calibrated_bench)]) == 0
+    page = (folder / "report.html").read_text()
+    assert sections_of(page) == ["cameras", "accuracy", "space", "distortion"]
+    assert "in the robot frame" in page
+
+
+def test_without_cameras_there_is_no_report(bench, capsys):
+    assert main(["calibration", "report", "--config", str(bench)]) == 2
+    assert "begin with `nodal calibrate cameras`" in capsys.readouterr().err
