@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drivers.cameras.v4l2.settings import V4l2CameraSettings
 from messaging.frames import CameraCalibration
 from nodal.errors import BenchFileError
 
@@ -17,6 +18,7 @@ def check(path: Path, settings: "BenchSettings", rig: Mapping[str, CameraCalibra
     """
     faults = [
         *([] if rig is None else _cameras(settings, rig)),
+        *_devices(settings),
         *_backgrounds(settings),
         *([] if rig is None else _work_areas(settings, rig)),
         *_nodal_points(settings),
@@ -31,6 +33,28 @@ def _cameras(settings: "BenchSettings", rig: Mapping[str, CameraCalibration]) ->
     for name in settings.cameras:
         if name not in rig:
             yield f"cameras.{name} is not in the calibration {settings.calibration}, which has {', '.join(rig)}"
+    for name, camera in _webcams(settings).items():
+        known = rig.get(name)
+        if known is not None and (camera.width_px, camera.height_px) != (known.width_px, known.height_px):
+            yield (
+                f"cameras.{name} is asked for {camera.width_px}x{camera.height_px} px, but was calibrated at "
+                f"{known.width_px}x{known.height_px} px"
+            )
+
+
+def _webcams(settings: "BenchSettings") -> dict[str, V4l2CameraSettings]:
+    return {
+        name: camera for name, camera in settings.cameras.items() if isinstance(camera, V4l2CameraSettings)
+    }
+
+
+def _devices(settings: "BenchSettings") -> Iterator[str]:
+    users: dict[str, list[str]] = {}
+    for name, camera in _webcams(settings).items():
+        users.setdefault(camera.device, []).append(f"cameras.{name}")
+    for device, names in users.items():
+        if len(names) > 1:
+            yield f"{' and '.join(names)} have the same device {device}"
 
 
 def _backgrounds(settings: "BenchSettings") -> Iterator[str]:

@@ -44,6 +44,8 @@ def _sections(struct: type[msgspec.Struct], name: str) -> Iterator[str]:
     yield inspect.cleandoc(struct.__doc__ or "") + "\n"
     yield "| key | value | default | |"
     yield "|---|---|---|---|"
+    if (config := struct.__struct_config__).tag_field is not None:
+        yield f"| `{config.tag_field}` | `{msgspec.json.encode(config.tag).decode()}` | **needed** | |"
     meanings = _meanings(struct)
     inner = []
     for field in msgspec.structs.fields(struct):
@@ -88,9 +90,8 @@ def _said(info: Any) -> str:  # noqa: C901, PLR0911  one line for each kind of t
         case types.TupleType():
             return "list: " + "; ".join(map(_said, info.item_types))
         case types.UnionType():
-            return " or ".join(
-                _said(option) for option in info.types if not isinstance(option, types.NoneType)
-            )
+            said = (_said(option) for option in info.types if not isinstance(option, types.NoneType))
+            return " or ".join(dict.fromkeys(said))
         case types.DictType():
             return f"table of {_said(info.value_type)}"
         case types.Metadata():

@@ -88,7 +88,7 @@ def _explained(error: msgspec.ValidationError, table: Table, kind: Any) -> str:
 
 
 def _exact_key(path: str, what: str, table: Table, kind: Any) -> Key:
-    """The place of a complaint. msgspec writes `[...]` for any key of a table; the one at fault is found by trying each alone."""
+    """The place of a complaint. msgspec writes `[...]` for any key of a table; the one at fault is found by trying each."""
     key: Key = ()
     for step in STEP.finditer(path):
         if step["item"] == "...":
@@ -102,7 +102,8 @@ def _entry_at_fault(table: Table, key: Key, what: str, kind: Any) -> str:
     entries = _at(table, key)
     for name in entries:
         try:
-            msgspec.convert(_replaced(table, key, {name: entries[name]}), kind)
+            # in the place of every other one, since a table may need several
+            msgspec.convert(_replaced(table, key, dict.fromkeys(entries, entries[name])), kind)
         except msgspec.ValidationError as error:
             if str(error).startswith(what):
                 return str(name)

@@ -26,9 +26,12 @@ def test_unplugged_in_the_middle_of_a_picture_and_back_under_another_number(
     webcam.plug_in()
     assert webcam.files.nodes[0] != node
     eventually(lambda: webcam.starts == 2 and webcam.controls.values[ControlID.FOCUS_ABSOLUTE] == 40)
-    frame = eventually(lambda: webcam.expose() or camera.read())
-    assert frame.number > before.number
-    assert frame.jpeg in webcam.buffers.sent.values()
+    # surely after everything is locked
+    frame = taken(webcam, camera, lost_before=10, timestamp_ns=time.monotonic_ns() + 500_000_000)
+    assert frame.jpeg == webcam.buffers.sent[10]
+    # what a stream loses before its first picture, nobody counts
+    assert frame.number == before.number + 1
+    assert PictureFault.LOST not in camera.faults
     assert webcam.controls.values[ControlID.EXPOSURE_ABSOLUTE] == 50
     assert caplog.text.count("No such device") == 1
     assert caplog.text.count("is not there") == 1
