@@ -45,7 +45,9 @@ class Charuco:
         self._board = charuco_board(settings)
         outlines = np.array(self._board.getObjPoints())[..., :2]
         self._outlines: Array = outlines.astype(np.float64) / settings.square_mm
-        self._detector = cv2.aruco.CharucoDetector(self._board)
+        one_is_enough = cv2.aruco.CharucoParameters()
+        one_is_enough.minMarkers = 1
+        self._detector = cv2.aruco.CharucoDetector(self._board, one_is_enough)
         self.clear = CLEAR * 0.5 * (1.0 - settings.marker_mm / settings.square_mm)
 
     def find(self, grey: Picture) -> tuple[NDArray[np.int64], Array] | Missing:

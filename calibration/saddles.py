@@ -21,7 +21,11 @@ WIDEST_CLEAR_PX = 4.5
 """Pixels farther from an edge say nothing about where it is."""
 START_BLUR_PX = 0.8
 BLUR_PX = 0.25, 8.0
-FARTHEST_PX = 2.5
+FARTHEST_SIDES, FARTHEST_PX = 0.06, (0.75, 2.5)
+"""A sound crossing lies near where it was looked for: in shares of a side, but within these bounds."""
+UNSETTLED_PX = 0.05
+MOST_BLUR_SIDES, MOST_MISFIT = 0.12, 0.2
+"""Edges that are as blurred as a marker is wide cannot be told from it; and what is left, in shares of the contrast."""
 LEAST_CONTRAST = 8.0
 """Grey levels of 255 between black and white."""
 SHAPES, LEVELS = 6, 6
@@ -42,14 +46,13 @@ def refine(grey: Picture, start_px: Array, sides_px: Array, arm: float, clear: f
 
     `sides_px` (n, 2, 2) holds in its rows the two sides of a square as they lie in the picture at each corner. Pixels count
     that lie within `arm` of the corner along both sides and within `clear` of an edge, in shares of a side. A fit that runs
-    away, or that finds hardly any contrast, is not sound.
+    away, does not settle, or leaves much of the picture unexplained is not sound.
     """
     levels, offsets, weights = _windows(grey, start_px, sides_px, arm, clear)
     scale = 1.0 / max(1.0, float(np.abs(offsets).max()))
     count = len(start_px)
     moved, blur = np.zeros((count, 2)), np.full((count, 2), START_BLUR_PX)
     turn = np.arctan2(sides_px[..., 1], sides_px[..., 0])
-    contrast = np.zeros(count)
     for _ in range(MOST_STEPS):
         shapes, basis = _model(offsets - moved[:, None], turn, blur, scale)
         weighted = basis * weights[..., None]
@@ -65,7 +68,15 @@ def refine(grey: Picture, start_px: Array, sides_px: Array, arm: float, clear: f
         blur = (blur + step[:, 4:6].clip(-0.5, 0.5)).clip(*BLUR_PX)
         if np.abs(step[:, :2]).max(initial=0.0) < SETTLED_PX:
             break
-    sound = (np.linalg.norm(moved, axis=1) < FARTHEST_PX) & (contrast > LEAST_CONTRAST)
+    side_px = np.linalg.norm(sides_px, axis=2).min(axis=1)
+    misfit = np.sqrt((weights * residual[..., 0] ** 2).sum(axis=1) / weights.sum(axis=1).clip(1.0))
+    sound = (
+        (np.linalg.norm(moved, axis=1) < (FARTHEST_SIDES * side_px).clip(*FARTHEST_PX))
+        & (np.abs(step[:, :2]).max(axis=1) < UNSETTLED_PX)
+        & (blur.max(axis=1) < MOST_BLUR_SIDES * side_px)
+        & (contrast > LEAST_CONTRAST)
+        & (misfit < MOST_MISFIT * contrast)
+    )
     return Saddles(start_px + moved, blur.max(axis=1), sound)
 
 
