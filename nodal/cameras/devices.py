@@ -74,8 +74,8 @@ def _rate_hz(known: PictureFormat) -> float:
     return min(known.rates_hz, key=lambda rate_hz: abs(rate_hz - RATE_HZ))
 
 
-def _worth(known: PictureFormat) -> tuple[bool, bool, int]:
-    """What fits and is fast enough, then what is largest."""
+def _worth(known: PictureFormat) -> tuple[bool, int]:
+    """What is fast enough, then the largest that fits, failing that the smallest that does not."""
     fits = known.width_px <= WIDEST_PX and known.height_px <= HIGHEST_PX
     area_px = known.width_px * known.height_px
-    return fits, max(known.rates_hz) >= RATE_HZ, area_px if fits else -area_px
+    return max(known.rates_hz) >= RATE_HZ, area_px if fits else -area_px

@@ -25,9 +25,8 @@ DIFFERENCE_PX2 = 1 / 3
 STRONG_LEVELS = 25.0
 """An edge counts whose two sides differ by about as much."""
 FEWEST = 200
-"""With fewer edge pixels, nothing is said."""
 SHARPEST = 25
-SMALLER = (2, 4)
+FACTORS = (1, 2, 4)
 RISE = 2.563
 """The way from 10 to 90 % of a step that is blurred by a Gaussian, in its standard deviations."""
 
@@ -41,24 +40,23 @@ class Edges:
 
     @property
     def width_px(self) -> float | None:
-        """How wide the sharpest edges are from 10 to 90 % of their step; None where there are too few edges."""
-        if len(self.blur_px) < FEWEST:
-            return None
-        return RISE * float(np.percentile(self.blur_px, SHARPEST))
+        """How wide the sharpest edges are from 10 to 90 % of their step; None where there are no edges."""
+        return RISE * float(np.percentile(self.blur_px, SHARPEST)) if len(self.blur_px) else None
 
 
 def edges_in(luma: Image) -> Edges:
-    """The strong edges of a brightness picture (h, w); of a smaller one where blur leaves none that is strong at full size."""
-    edges = _edges(luma)
-    for factor in SMALLER:
-        if len(edges.blur_px) >= FEWEST:
-            break
-        height, width = luma.shape
+    """The strong edges of a brightness picture (h, w); of a smaller one where blur leaves few that are strong at full size.
+
+    There are none where they add up to less than FEWEST px.
+    """
+    height, width = luma.shape
+    for factor in FACTORS:
         size = max(width // factor, 1), max(height // factor, 1)
-        small = _edges(np.asarray(cv2.resize(luma, size, interpolation=cv2.INTER_AREA), dtype=np.uint8))
-        if len(small.blur_px) >= FEWEST:
-            return Edges(small.places * factor + factor // 2, small.blur_px * factor)
-    return edges
+        small = cv2.resize(luma, size, interpolation=cv2.INTER_AREA) if factor > 1 else luma
+        edges = _edges(np.asarray(small, dtype=np.uint8))
+        if len(edges.blur_px) >= FEWEST / factor:
+            return Edges(edges.places * factor + factor // 2, edges.blur_px * factor)
+    return Edges(np.empty((0, 2), dtype=np.intp), np.empty(0))
 
 
 def _edges(luma: Image) -> Edges:

@@ -34,7 +34,7 @@ def test_without_files_the_bench_has_its_own_cameras(chosen, bench) -> None:
 
 def test_folders_patterns_and_single_pictures(chosen, tmp_path) -> None:
     (tmp_path / "deep[1]" / "a").mkdir(parents=True)
-    for name in ("1_left.jpg", "1_right.jpg", "deep[1]/a/1.png"):
+    for name in ("1_left.jpg", "1[a].jpg", "1_right.jpg", "deep[1]/a/1.png"):
         (tmp_path / name).touch()
 
     def folder(text):
@@ -43,6 +43,7 @@ def test_folders_patterns_and_single_pictures(chosen, tmp_path) -> None:
     assert folder("*_left.jpg") == FolderCameraSettings(folder=str(tmp_path), pattern="*_left.jpg")
     assert folder("") == FolderCameraSettings(folder=f"{tmp_path}/")
     assert folder("1_left.jpg") == FolderCameraSettings(folder=str(tmp_path), pattern="1_left.jpg")
+    assert folder("1[a].jpg").pattern == "1[[]a].jpg"
     assert folder("*/a/*.png") == FolderCameraSettings(folder=str(tmp_path), pattern="*/a/*.png")
     assert list(chosen("--images", f"right={tmp_path}/*_right.jpg", f"left={tmp_path}/*_left.jpg")) == [
         "left",

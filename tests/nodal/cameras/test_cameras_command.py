@@ -87,6 +87,7 @@ def test_write_sets_up_every_camera_and_keeps_the_rest_of_the_file(webcams, benc
     text = bench.read_text(encoding="utf-8")
     assert "[cameras.left]  # the near one" in text
     assert "a.avi" not in text
+    assert "\n\n[cameras.right]" in text
     assert f"# which is right? nodal cameras look --device {webcams[1]}" in capsys.readouterr().out
 
 
@@ -155,8 +156,9 @@ def test_look_through_pictures_tells_that_they_do_not_fit_the_calibration(
     bench, scene, coded, capsys
 ) -> None:
     shutil.copy(SHIPPED / "simulated-rig.json", bench.parent)
-    (bench.parent / "1.jpg").write_bytes(coded(scene))
-    words = ["--config", str(bench), "--images", f"left={bench.parent}/1.jpg", "--json"]
+    for number in range(2):
+        (bench.parent / f"{number}.jpg").write_bytes(coded(scene, seed=number))
+    words = ["--config", str(bench), "--images", f"left={bench.parent}/*.jpg", "--json"]
     assert main(["cameras", "look", *words]) == 3
     left = json.loads(capsys.readouterr().out)["cameras"]["left"]
     assert {finding["subject"]: finding["verdict"] for finding in left["findings"]}["size"] == "poor"

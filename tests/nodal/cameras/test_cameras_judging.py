@@ -83,6 +83,23 @@ def test_an_edge_is_as_wide_as_it_was_blurred(blur_px) -> None:
     assert edges_in(blurred).width_px == pytest.approx(RISE * np.hypot(blur_px, 0.29), rel=0.12)
 
 
+def test_far_blurred_edges_of_little_contrast_are_found_in_a_smaller_picture() -> None:
+    across = np.mgrid[:400, :600][1]
+    blurred = cv2.GaussianBlur(np.where(across > 300, 150.0, 100.0), (0, 0), 7.0).round().astype(np.uint8)
+    assert edges_in(blurred).width_px == pytest.approx(RISE * 7, rel=0.15)
+
+
+def test_soft_shadows_are_no_contrast(scene, coded) -> None:
+    down, across = np.mgrid[: scene.shape[0], : scene.shape[1]]
+    shadow = 0.5 * np.exp(-(((across - 200) / 120) ** 2) - ((down - 250) / 120) ** 2)
+    without, shaded_by = (
+        look_at("left", [coded(picture)]).lighting
+        for picture in (scene, exposed(scene, 1 - shadow[..., None]))
+    )
+    assert shaded_by.standing_out_share > without.standing_out_share + 0.03
+    assert shaded_by.contrast == pytest.approx(without.contrast, rel=0.15)
+
+
 def test_an_even_picture_has_no_edges() -> None:
     noise = np.random.default_rng(0).normal(120, 3, (400, 600)).clip(0, 255).astype(np.uint8)
     assert edges_in(noise).width_px is None

@@ -85,6 +85,7 @@ def test_what_cannot_be_played_is_refused_by_name(tmp_path, jpeg) -> None:
         (["007_left", "010_left"], [7, 10]),
         (["cam2_0007", "cam2_0008"], [7, 8]),
         (["7_of_9", "8_of_9"], [7, 8]),
+        (["2_0008", "3_0007"], [8, 7]),
         (["left", "left2"], None),
         (["1_1", "1_1b"], None),
         ([], None),

@@ -40,6 +40,15 @@ def test_a_recording_that_was_cut_off_is_read_up_to_there(tmp_path, played, capl
     assert "cut.mcap is damaged or cut off" in caplog.text
 
 
+def test_a_recording_that_is_damaged_inside_is_read_up_to_there(tmp_path, played, caplog) -> None:
+    data = bytearray(RUN.read_bytes())
+    data[len(data) // 2 : len(data) // 2 + 2000] = bytes(2000)
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(data)
+    assert 20 < len(played(cameras(damaged), SKEW_S)) < 150
+    assert "damaged.mcap is damaged or cut off" in caplog.text
+
+
 def test_a_camera_may_have_another_name_in_the_recording(played) -> None:
     settings = {"front": RecordingCameraSettings(file=str(RUN), camera="right")}
     (frame,) = played(settings)[0].frames
