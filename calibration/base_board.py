@@ -1,37 +1,24 @@
 """The robot frame from the board in its fixture at the base: the board's pose from all cameras at once."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
 
-import cv2
 import msgspec
 import numpy as np
-from scipy.optimize import least_squares
 
 from calibration.base import Array, Base, Matrix4, Matrix6
+from calibration.bundle import Observation, Rig
 from calibration.camera_set import CalibratedCamera, CameraSet
 from calibration.corners import Corners
 from calibration.errors import ViewsError
+from calibration.posing import board_pose, off_px
+from calibration.projection import INTRINSICS, POSE, by_pose, project, transformed
 
 LEAST_CORNERS = 8
 """Of each camera: fewer lie in one corner of the board, and tell little about where the others are."""
 LEAST_SHARE = 0.5
 """A corner counts that is found in at least so many of a camera's pictures."""
-STEP_RAD, STEP_MM = 1e-5, 1e-3
-INTRINSICS = {"fx_px": (0, 0), "fy_px": (1, 1), "cx_px": (0, 2), "cy_px": (1, 2)}
-DISTORTION = ("k1", "k2", "p1", "p2", "k3")
-POSE = ("rotation_x_rad", "rotation_y_rad", "rotation_z_rad", "x_mm", "y_mm", "z_mm")
 FLOOR_PX = 0.02
 """No corner is better known than this, however many pictures are averaged."""
-
-
-@dataclass(frozen=True)
-class _Seen:
-    """The corners that a camera saw: on the board (n, 3) in mm, and in its pictures (n, 2), in px, on average."""
-
-    camera: CalibratedCamera
-    points_mm: Array
-    px: Array
 
 
 def base_from_board(
@@ -43,32 +30,44 @@ def base_from_board(
     The covariance is that of the corners and, where the cameras' parameters have standard deviations, of those; they are
     taken as independent, which makes it larger than it is. Raises ViewsError when a camera does not see the board.
     """
-    seen = [_averaged(camera, sets, points_mm) for camera in cameras.cameras]
-    start = _start(max(seen, key=lambda one: len(one.px)))
-    solution = least_squares(lambda pose: _residuals(seen, pose), start, method="lm", x_scale="jac")
-    rig_from_board = _matrix(solution.x)
-    jacobian = _jacobian(seen, rig_from_board)
-    off_px = _off(seen, rig_from_board)
-    variance = max(float(np.mean(off_px**2)), FLOOR_PX**2)
-    covariance = variance * np.linalg.inv(jacobian.T @ jacobian)
-    back = np.linalg.pinv(jacobian)
-    for changed in _changed(seen):
-        step = back @ (_off(changed, rig_from_board) - off_px)
-        covariance = covariance + np.outer(step, step)
-    carried = _adjoint(robot_from_board)
+    rig = _rig(cameras)
+    seen = [_averaged(number, camera.name, sets, points_mm) for number, camera in enumerate(cameras.cameras)]
+    rig_from_board = board_pose(rig, seen)
     rig_from_robot = rig_from_board @ np.linalg.inv(robot_from_board)
+    off = [off_px(rig, rig_from_board, one) for one in seen]
+    covariance = _covariance(cameras, rig, seen, rig_from_board, float(np.mean(np.concatenate(off) ** 2)))
+    carried = _carried(rig_from_board, rig_from_robot)
+    names = [camera.name for camera in cameras.cameras]
     return Base(
         way="board",
         rig_from_robot=msgspec.convert(rig_from_robot.tolist(), Matrix4),
         covariance=msgspec.convert((carried @ covariance @ carried.T).tolist(), Matrix6),
-        residual_px={one.camera.name: _rms(_off([one], rig_from_board)) for one in seen},
-        residual_mm=_rms(np.concatenate([_off_mm(one, rig_from_board) for one in seen])),
+        residual_px={name: _rms(one) for name, one in zip(names, off, strict=True)},
+        residual_mm=_rms(
+            np.concatenate([_in_mm(rig, rig_from_board, one, px) for one, px in zip(seen, off, strict=True)])
+        ),
         frame_sets=len(sets),
     )
 
 
-def _averaged(camera: CalibratedCamera, sets: Sequence[Mapping[str, Corners]], points_mm: Array) -> _Seen:
-    found = [seen[camera.name] for seen in sets if camera.name in seen]
+def _rig(cameras: CameraSet) -> Rig:
+    return Rig(
+        intrinsics=np.array([_intrinsics(camera) for camera in cameras.cameras]),
+        camera_from_rig=np.array([camera.camera_from_rig for camera in cameras.cameras]),
+        rig_from_board=np.empty((0, 4, 4)),
+    )
+
+
+def _intrinsics(camera: CalibratedCamera) -> list[float]:
+    (fx, _, cx), (_, fy, cy), _ = camera.intrinsics
+    return [fx, fy, cx, cy, *camera.distortion]
+
+
+def _averaged(
+    number: int, camera: str, sets: Sequence[Mapping[str, Corners]], points_mm: Array
+) -> Observation:
+    """The corners that a camera saw in most of its pictures, each where it was on average."""
+    found = [seen[camera] for seen in sets if camera in seen]
     count, total = np.zeros(len(points_mm)), np.zeros((len(points_mm), 2))
     for corners in found:
         count[corners.ids] += 1
@@ -76,109 +75,53 @@ def _averaged(camera: CalibratedCamera, sets: Sequence[Mapping[str, Corners]], p
     ids = np.flatnonzero(count >= max(LEAST_SHARE * len(found), 1))
     if len(ids) < LEAST_CORNERS:
         raise ViewsError(
-            f"camera {camera.name} sees {len(ids)} corners of the board at the base; {LEAST_CORNERS} are needed"
+            f"camera {camera} sees {len(ids)} corners of the board at the base; {LEAST_CORNERS} are needed"
         )
-    return _Seen(camera, points_mm[ids], total[ids] / count[ids, None])
-
-
-def _start(seen: _Seen) -> Array:
-    """The pose (6,) of the board in the rig frame as one camera sees it: its rotation vector, then its place in mm."""
-    camera = seen.camera
-    _, rotation, place = cv2.solvePnP(
-        seen.points_mm,
-        seen.px,
-        np.array(camera.intrinsics),
-        np.array(camera.distortion),
-        flags=cv2.SOLVEPNP_IPPE,
-    )
-    camera_from_board = _matrix(np.concatenate([rotation.ravel(), place.ravel()]))
-    rig_from_board = np.linalg.inv(np.array(camera.camera_from_rig)) @ camera_from_board
-    return np.concatenate([cv2.Rodrigues(rig_from_board[:3, :3])[0].ravel(), rig_from_board[:3, 3]])
-
-
-def _matrix(pose: Array) -> Array:
-    matrix = np.eye(4)
-    matrix[:3, :3] = cv2.Rodrigues(pose[:3])[0]
-    matrix[:3, 3] = pose[3:]
-    return matrix
-
-
-def _residuals(seen: Sequence[_Seen], pose: Array) -> Array:
-    return _off(seen, _matrix(pose))
-
-
-def _off(seen: Sequence[_Seen], rig_from_board: Array) -> Array:
-    """How far (2 n,) in px corners are from where this pose (4, 4) says they are, all cameras after one another."""
-    return np.concatenate([(one.px - _project(one, rig_from_board)).ravel() for one in seen])
-
-
-def _project(one: _Seen, rig_from_board: Array) -> Array:
-    camera = one.camera
-    pose = np.array(camera.camera_from_rig) @ rig_from_board
-    px, _ = cv2.projectPoints(
-        one.points_mm,
-        cv2.Rodrigues(pose[:3, :3])[0],
-        pose[:3, 3],
-        np.array(camera.intrinsics),
-        np.array(camera.distortion),
-    )
-    return np.asarray(px.reshape(-1, 2), np.float64)
-
-
-def _off_mm(one: _Seen, rig_from_board: Array) -> Array:
-    """The same in mm at the board, (2 n,)."""
-    camera = one.camera
-    pose = np.array(camera.camera_from_rig) @ rig_from_board
-    depth = (one.points_mm @ pose[:3, :3].T + pose[:3, 3])[:, 2]
-    return np.asarray(
-        ((one.px - _project(one, rig_from_board)) * (depth / camera.intrinsics[0][0])[:, None]).ravel()
+    return Observation(
+        camera=number, view=0, ids=ids, points_mm=points_mm[ids], px=total[ids] / count[ids, None]
     )
 
 
-def _jacobian(seen: Sequence[_Seen], rig_from_board: Array) -> Array:
-    """Derivatives (2 n, 6) of where corners appear, by a small motion of the board in its own frame."""
-    steps = np.repeat([STEP_RAD, STEP_MM], 3)
-    return np.column_stack(
-        [
-            (_off(seen, rig_from_board @ _matrix(-by)) - _off(seen, rig_from_board @ _matrix(by)))
-            / (2 * step)
-            for by, step in zip(np.diag(steps), steps, strict=True)
-        ]
-    )
+def _covariance(
+    cameras: CameraSet, rig: Rig, seen: Sequence[Observation], rig_from_board: Array, variance_px2: float
+) -> Array:
+    """Of the board's pose (6, 6), as `projection.moved` takes its steps."""
+    by_step, by_camera = [], []
+    for one in seen:
+        camera_from_rig, at_rig_mm = (
+            rig.camera_from_rig[one.camera],
+            transformed(rig_from_board, one.points_mm),
+        )
+        _, by_point, by_intrinsics = project(
+            rig.intrinsics[one.camera], transformed(camera_from_rig, at_rig_mm)
+        )
+        by_board = by_point @ camera_from_rig[:3, :3] @ by_pose(rig_from_board, one.points_mm)
+        by_step.append(by_board.reshape(-1, 6))
+        by_own = np.concatenate([by_intrinsics, by_point @ by_pose(camera_from_rig, at_rig_mm)], axis=2)
+        by_camera.append(by_own.reshape(len(by_step[-1]), -1))
+    jacobian = np.concatenate(by_step)
+    covariance = max(variance_px2, FLOOR_PX**2) * np.linalg.inv(jacobian.T @ jacobian)
+    starts = np.cumsum([0, *(len(rows) for rows in by_step)])
+    back = np.linalg.pinv(jacobian)
+    for camera, own, begin, end in zip(cameras.cameras, by_camera, starts[:-1], starts[1:], strict=True):
+        sigma = np.array([camera.sigma.get(name, 0.0) for name in (*INTRINSICS, *POSE)])
+        steps = back[:, begin:end] @ (own * sigma)
+        covariance = covariance + steps @ steps.T
+    return np.asarray(covariance)
 
 
-def _adjoint(other_from_board: Array) -> Array:
-    """Takes small motions (6,) of the board, in its own frame, to the same motions in another frame that moves with it."""
-    turn, (x, y, z) = other_from_board[:3, :3], other_from_board[:3, 3]
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.block([[turn, np.zeros((3, 3))], [cross @ turn, turn]])
+def _carried(rig_from_board: Array, rig_from_robot: Array) -> Array:
+    """(6, 6): takes steps of the board's pose to the motions of the robot frame, seen in it, that go with them."""
+    turn = rig_from_robot[:3, :3].T
+    x, y, z = rig_from_robot[:3, 3] - rig_from_board[:3, 3]
+    lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    return np.block([[turn, np.zeros((3, 3))], [turn @ lever, turn]])
 
 
-def _changed(seen: Sequence[_Seen]) -> Iterator[list[_Seen]]:
-    """The same with one parameter of one camera off by its standard deviation, for each that has one."""
-    for place, one in enumerate(seen):
-        for name, sigma in one.camera.sigma.items():
-            changed = list(seen)
-            changed[place] = replace(one, camera=_off_by(one.camera, name, sigma))
-            yield changed
-
-
-def _off_by(camera: CalibratedCamera, name: str, sigma: float) -> CalibratedCamera:
-    """The camera with one parameter changed; rotations are about the camera's own axes."""
-    intrinsics, distortion = np.array(camera.intrinsics), np.array(camera.distortion)
-    motion = np.zeros(6)
-    if name in INTRINSICS:
-        intrinsics[INTRINSICS[name]] += sigma
-    elif name in DISTORTION:
-        distortion[DISTORTION.index(name)] += sigma
-    elif name in POSE:
-        motion[POSE.index(name)] = sigma
-    changed = {
-        "intrinsics": intrinsics.tolist(),
-        "distortion": distortion.tolist(),
-        "camera_from_rig": (_matrix(motion) @ np.array(camera.camera_from_rig)).tolist(),
-    }
-    return msgspec.convert(msgspec.structs.asdict(camera) | changed, CalibratedCamera)
+def _in_mm(rig: Rig, rig_from_board: Array, seen: Observation, px: Array) -> Array:
+    """Offsets (n, 2) in px as what they are at the board."""
+    depth_mm = transformed(rig.camera_from_rig[seen.camera] @ rig_from_board, seen.points_mm)[:, 2]
+    return np.asarray(px * (depth_mm / rig.intrinsics[seen.camera, 0])[:, None])
 
 
 def _rms(off: Array) -> float:

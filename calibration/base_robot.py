@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import msgspec
 import numpy as np
+from numpy.polynomial.polynomial import polyfit
 
 from calibration.base import Array, Base, Matrix4, Matrix6, PullFound, RobotFound
 from calibration.errors import BasePosesError
@@ -27,10 +28,10 @@ TRAVEL_FLOOR_MM = 0.01
 START_FLOOR_MM = 0.03, 0.03, 0.1
 """Nor is the robot's beginning: across, and along the axis, where its length and its tip come in."""
 ROLL_FLOOR_RAD = np.radians(0.1)
-LEAN_RAD = np.radians(1.0)
+LEAN_RAD = np.radians(0.5)
 """How far aside of its axis a robot may leave its holder."""
-LEAVES = 0.06
-"""The share of the midline next to the base that shows how it leaves its holder."""
+BEGINNING = 0.3
+"""The share of the midline that shows where and how it leaves its holder: single points next to the holder are seen worse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +63,11 @@ def base_from_robot(pulls: Sequence[Pull], travel: Sequence[Pose], residual_px: 
     begin. Raises BasePosesError when the poses do not determine the frame or contradict it.
     """
     poses = [*(pose for pull in pulls for pose in (*pull.least, *pull.most)), *travel]
-    leaving = _mean_direction([_leaving(pose) for pose in poses])
+    beginnings = [_beginning(pose) for pose in poses]
+    leaving = _mean_direction([direction for _, direction in beginnings])
     stage = _travel(travel) if travel else _Travel(leaving, LEAN_RAD, 0.0, 1.0)
-    starts = np.array([pose.points_mm[0] - pose.insertion_mm * stage.direction for pose in poses])
+    lifts = [pose.insertion_mm * stage.direction for pose in poses]
+    starts = np.array([start - lift for (start, _), lift in zip(beginnings, lifts, strict=True)])
     rough = _frame(stage.direction, starts.mean(axis=0))
     found, roll_rad, roll_sigma_rad = _roll(pulls, rough)
     turned = np.eye(4)
@@ -124,10 +127,11 @@ def _travel(poses: Sequence[Pose]) -> _Travel:
     return _Travel(slope / scale, float(np.hypot(sigma_rad, 2 * TRAVEL_FLOOR_MM / range_mm)), range_mm, scale)
 
 
-def _leaving(pose: Pose) -> Array:
-    """The direction (3,) in which a midline begins."""
-    count = max(round(LEAVES * len(pose.points_mm)), 2)
-    return np.asarray(pose.points_mm[count] - pose.points_mm[0])
+def _beginning(pose: Pose) -> tuple[Array, Array]:
+    """Where a midline begins, and in which direction, (3,) each: of the cubic through its part next to the base."""
+    count = max(round(BEGINNING * len(pose.points_mm)), 4)
+    start, direction, *_ = polyfit(np.arange(count), pose.points_mm[:count], 3)
+    return start, direction / np.linalg.norm(direction)
 
 
 def _mean_direction(directions: Sequence[Array]) -> Array:

@@ -17,6 +17,7 @@ from nodal.calibrate.base_from_robot import Look, RobotWay, backgrounds
 from nodal.calibrate.base_keeping import dated, keep, kept_bases
 from nodal.calibrate.base_looking import Jpegs, taken
 from nodal.calibrate.person import Person, person_at
+from nodal.calibrate.robot_hand import BenchHand
 from nodal.calibration.folder import load_cameras, own_bench
 from nodal.cameras.chosen import chosen_cameras
 from nodal.errors import CommandError
@@ -75,7 +76,7 @@ def find_base(arguments: argparse.Namespace) -> Outcome:
             bases["board"], pictures = _by_board(settings, cameras, running, person)
         if "robot" in ways and person is not None:
             person.please(Scene.ROBOT)
-            base, look = RobotWay(settings, cameras, running, arguments.pull).found(session)
+            base, look = RobotWay(settings, cameras, running, arguments.pull).found(BenchHand(session))
             bases["robot"], pictures = dated(base, cameras), look.sets[0]
         elif person is not None:
             person.please(Scene.ROBOT)

@@ -11,12 +11,11 @@ from calibration.base import Base
 from calibration.base_robot import Pose, Pull, base_from_robot
 from calibration.camera_set import CameraSet
 from drivers.cameras import Camera
-from messaging.session import Session
 from nodal.bench_settings import BenchSettings
 from nodal.calibrate.base_looking import Jpegs, taken
 from nodal.calibrate.base_midlines import MidlineFinder, Midlines
 from nodal.calibrate.base_moving import Mover, moving_robot
-from nodal.calibrate.robot_hand import BenchHand
+from nodal.calibrate.robot_hand import Hand
 from nodal.errors import BenchFileError, CalibrationError
 from sensing.errors import RefusedError
 from sensing.pictures.picture import Picture
@@ -62,12 +61,12 @@ class RobotWay:
         self._scene = rig_scene(settings, cameras)
         self._finder: MidlineFinder | None = None
 
-    def found(self, session: Session) -> tuple[Base, Look]:
+    def found(self, hand: Hand) -> tuple[Base, Look]:
         """The robot frame, and the robot as it stood first; the tendons are let go at the end, whatever happens.
 
         Raises CalibrationError, RobotStoppedError, BasePosesError, CameraError.
         """
-        with moving_robot(BenchHand(session), self._settings.controller.jog, self._tendons) as mover:
+        with moving_robot(hand, self._settings.controller.jog, self._tendons) as mover:
             pulls = [seen for axis in range(self._tendons) for seen in self._pulled(mover, axis)]
             bent = [self._pictures(end.sets[0]) for pull in pulls for end in (pull.least, pull.most)]
             length_mm = self._settings.robot.length_mm

@@ -1,15 +1,16 @@
 """The robot moved one axis at a time before anything is known of where it stands: by the controller's jogs, under all its limits."""
 
 import math
-import time
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from controller.limits import axis_name
 from controller.settings import JogSettings
 from messaging.control import Action, State
+from messaging.errors import UnansweredError
 from nodal.calibrate.robot_hand import Glimpse, Hand
-from nodal.errors import RobotStoppedError
+from nodal.errors import CalibrationError, RobotStoppedError
 
 NS_PER_S = 1e9
 SETTLED_S = 0.6
@@ -17,6 +18,7 @@ SETTLED_S = 0.6
 PATIENCE_S = 5.0
 THERE_MM = 0.02
 LET_GO_S = 20.0
+_LET_GO = (State.IDLE, State.FAULT)
 _LED = (State.UNHOMED, State.READY, State.HOLD)
 
 
@@ -41,9 +43,10 @@ class Mover:
 
     def settled_ns(self) -> int:
         """Wait until the robot stands still, and tell the moment from which on it does (monotonic)."""
-        end_s = time.monotonic() + SETTLED_S
-        while time.monotonic() < end_s:
-            self._checked(self._hand.watch(), "waiting until the robot stands still")
+        what = "waiting until the robot stands still"
+        end_s = self._checked(self._hand.watch(), what).now_s + SETTLED_S
+        while self._checked(self._hand.watch(), what).now_s < end_s:
+            pass
         return int(end_s * NS_PER_S)
 
     def attend(self) -> None:
@@ -51,13 +54,19 @@ class Mover:
         self._checked(self._hand.watch(), "looking at the robot")
 
     def let_go(self) -> None:
-        """Relax the tendons; stop where that is refused. Returns when they are let go."""
-        relaxing = self._hand.ask(Action.RELAX).accepted
-        end_s = time.monotonic() + LET_GO_S
-        while relaxing and time.monotonic() < end_s:
-            if self._hand.watch().state in (State.IDLE, State.FAULT):
-                return
-        self._hand.ask(Action.STOP)
+        """Relax the tendons; stop where that is refused. Returns when they are let go, or says that nobody answers."""
+        try:
+            if self._hand.ask(Action.RELAX).accepted:
+                glimpse = self._hand.watch()
+                end_s = glimpse.now_s + LET_GO_S
+                while glimpse.state not in _LET_GO and glimpse.now_s < end_s:
+                    glimpse = self._hand.watch()
+                if glimpse.state in _LET_GO:
+                    return
+            self._hand.ask(Action.STOP)
+        except (UnansweredError, CalibrationError) as error:
+            # whatever led here is not to be hidden by this
+            print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
 
     def _jog(self, axis: int, distance_mm: float) -> None:
         before = self._hand.watch()
@@ -69,12 +78,12 @@ class Mover:
         what = f"the jog of {axis_name(axis, self._tendons)} by {distance_mm:g} mm"
         if not reply.accepted:
             raise RobotStoppedError(f"{what} was refused: {reply.reason}", reply.advice)
-        end_s = time.monotonic() + abs(distance_mm) / self._settings.mm_s + PATIENCE_S
+        end_s = before.now_s + abs(distance_mm) / self._settings.mm_s + PATIENCE_S
         while True:
             glimpse = self._checked(self._hand.watch(), what)
             if abs(glimpse.command_mm[axis] - told_mm - distance_mm) < THERE_MM:
                 return
-            if time.monotonic() > end_s:
+            if glimpse.now_s > end_s:
                 raise RobotStoppedError(f"{what} did not end in time")
 
     @staticmethod

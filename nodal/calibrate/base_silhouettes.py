@@ -98,9 +98,9 @@ def robot_midline(
         raise RefusedError(f"camera {camera.name}: the robot is not where it moved before")
     rows, columns = np.nonzero(robot)
     places = np.column_stack([columns, rows]).astype(np.float64)
-    base = places[(places @ moved.up).argmin()]
-    lines = midlines(robot, base)
-    width = half_width(robot)
+    height, width = places @ moved.up, half_width(robot)
+    # not one pixel, which would be a corner: the middle of the lowest
+    lines = midlines(robot, places[height < height.min() + width].mean(axis=0))
     if not lines or curve.arc_lengths(lines[0])[-1] < LEAST_LENGTH * 2 * width:
         raise RefusedError(f"camera {camera.name}: what moved is not as long and thin as a robot")
     grid = backdrop.grid
