@@ -5,9 +5,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Mapping
+from pathlib import Path
 
 from drivers.cameras.camera import CameraFrame
 from drivers.cameras.errors import CameraDeviceError, CameraLostError
+from drivers.cameras.v4l2.device_files import lasting_names
 from drivers.cameras.v4l2.inspection import FaultReport, Inspection, PictureFault
 from drivers.cameras.v4l2.settings import V4l2CameraSettings
 from drivers.cameras.v4l2.stream import Stream
@@ -41,6 +43,13 @@ class V4l2Camera:
         except CameraDeviceError as error:
             raise type(error)(f"camera {name}: {error}") from error
         self._tell_of(stream)
+        if not Path(settings.device).is_symlink() and (lasting := lasting_names(Path(settings.device))):
+            logger.warning(
+                "camera %s: %s may be another camera after a restart; %s stays",
+                name,
+                settings.device,
+                lasting[0],
+            )
         self._thread = threading.Thread(target=self._run, args=(stream,), name=f"camera {name}", daemon=True)
         self._thread.start()
 

@@ -31,14 +31,16 @@ class Filled:
 class Buffers:
     """Buffers that a program has asked for. One who reads too slowly loses pictures: their numbers are missing then.
 
-    `readable` is a file descriptor to poll on; `sent` are the pictures that went out, by number, the newest few.
+    `readable` is a file descriptor to poll on, `mapped` what programs have mapped; `sent` are the pictures that went out, by
+    number, the newest few.
     """
 
     def __init__(self, pictures: Sequence[bytes]) -> None:
         self.readable = _counting_file()
         self.flags = int(UVC_FLAGS)
         self.streaming = False
-        self.memory: list[mmap.mmap] = []
+        self.mapped: list[mmap.mmap] = []
+        self._memory: list[int] = []
         self.sent: collections.OrderedDict[int, bytes] = collections.OrderedDict()
         self._pictures = itertools.cycle(pictures)
         self._exposures = itertools.count(1)
@@ -58,15 +60,18 @@ class Buffers:
         return header + next(self._pictures).removeprefix(START_OF_IMAGE)
 
     def request(self, count: int, length: int) -> None:
-        """Give `count` buffers of `length` bytes; none gives them back."""
+        """Give `count` buffers of `length` bytes; none gives them back. What is mapped stays so until it is unmapped."""
         self.stop()
-        for memory in self.memory:
-            memory.close()
-        self.memory = [mmap.mmap(-1, length) for _ in range(count)]
+        for memory in self._memory:
+            os.close(memory)
+        self._memory = [os.memfd_create("buffer") for _ in range(count)]
+        for memory in self._memory:
+            os.truncate(memory, length)
 
-    def memory_at(self, offset: int) -> mmap.mmap:
-        """What a program maps at this offset."""
-        return self.memory[offset // mmap.PAGESIZE]
+    def map(self, length: int, offset: int) -> mmap.mmap:
+        """A program maps the buffer at this offset."""
+        self.mapped.append(mmap.mmap(self._memory[offset // mmap.PAGESIZE], length))
+        return self.mapped[-1]
 
     def renew(self) -> None:
         """Nothing is left of what programs held or waited for."""
@@ -115,9 +120,7 @@ class Buffers:
         if not self._queued:
             return
         index = self._queued.popleft()
-        memory = self.memory[index]
-        length = min(len(picture), len(memory))
-        memory[:length] = picture[:length]
+        length = os.pwrite(self._memory[index], picture, 0)
         stamp_ns = time.monotonic_ns() if timestamp_ns is None else timestamp_ns
         self.sent[sequence] = picture
         if len(self.sent) > 100:

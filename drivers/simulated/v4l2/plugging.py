@@ -83,7 +83,7 @@ class _Calls:
     def mem_map(self, file: Any, length: int, offset: int) -> mmap.mmap:
         node = self._nodes.get(to_fd(file))
         if isinstance(node, StandInCamera):
-            return node.buffers.memory_at(offset)
+            return node.buffers.map(length, offset)
         return self._mem_map(file, length, offset)
 
     def _closed(self, file: int) -> None:

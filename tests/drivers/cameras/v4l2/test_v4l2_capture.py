@@ -7,6 +7,7 @@ import pytest
 from linuxpy.video.raw import BufferFlag
 
 from drivers.cameras import CameraFormatError, V4l2Controls
+from drivers.cameras.v4l2.camera import V4l2Camera
 from drivers.cameras.v4l2.inspection import PictureFault
 
 EXPOSURE_S = 0.01
@@ -84,3 +85,11 @@ def test_what_is_locked_stands_in_the_log(webcam, opened, caplog):
     caplog.set_level(logging.INFO)
     opened(webcam, controls=V4l2Controls(exposure_s=0.005, focus=40))
     assert "camera left: C922 Pro Stream Webcam, locked at exposure_s 0.005, gain 0, focus 40" in caplog.text
+
+
+def test_a_name_that_does_not_last_is_warned_of(webcam, opened, settings, caplog):
+    opened(webcam).close()
+    assert "may be another camera" not in caplog.text
+    node = webcam.files.nodes[0]
+    V4l2Camera("left", settings(device=str(node))).close()
+    assert f"{node} may be another camera after a restart; {webcam.path} stays" in caplog.text

@@ -20,7 +20,7 @@ def test_unplugged_in_the_middle_of_a_picture_and_back_under_another_number(
     webcam.pull_out()
     eventually(lambda: "is not there" in caplog.text)
     # as long as a program maps them, the kernel keeps the device's number
-    assert all(memory.closed for memory in webcam.buffers.memory)
+    assert all(memory.closed for memory in webcam.buffers.mapped)
     # somebody else takes the number meanwhile
     node.touch()
     webcam.plug_in()
