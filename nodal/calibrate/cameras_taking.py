@@ -1,5 +1,6 @@
 """Views of the board out of what cameras see: looked at one after another, and taken where they show something new."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
@@ -13,6 +14,8 @@ from calibration.views import Size, View, find_view
 from drivers.cameras import CameraFrame, FrameSet
 from nodal.calibrate.kept_views import NewViews
 
+MEASURED = re.compile(r"\d+\.\d+")
+"""What differs between two reasons of the same kind; whole numbers name views and dictionaries."""
 AS_TAKEN = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
 LOOK_APART_S = 0.15
 """Between two looks at a stream: long enough for a board that moves to be seen moving."""
@@ -42,7 +45,7 @@ class Taking:
         self.views: list[View] = []
         """Those that were taken: of pictures that somebody took one by one all, since calibration says which it leaves out."""
         self.refused: Counter[str] = Counter()
-        """How many were not taken, by the reason."""
+        """How many were not taken, by the kind of the reason."""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -63,7 +66,7 @@ class Taking:
             self.views.append(self.view)
             self._kept.keep(self.view.name, frame_set.frames)
         else:
-            self.refused[self.verdict.reason] += 1
+            self.refused[MEASURED.sub("…", self.verdict.reason)] += 1
         return True
 
     def _found(self, frame_set: FrameSet) -> View:

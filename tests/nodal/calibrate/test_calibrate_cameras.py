@@ -12,7 +12,8 @@ from nodal.__main__ import main
 from nodal.calibrate.cameras_taking import Taking
 from nodal.calibrate.kept_views import kept_pictures, kept_views
 from nodal.calibration.folder import cameras_in
-from nodal.calibration_file import save_rig
+from nodal.calibration_file import load_rig, save_rig
+from nodal.toml_file import read_table, written
 
 
 def images(folder):
@@ -121,3 +122,15 @@ def test_an_interrupt_goes_on_with_the_views_that_there_are(bench, shots, capsys
     assert calibrated(bench, shots) == 0
     assert "going on with the views that there are" in capsys.readouterr().err
     assert cameras_in(bench.parent / "calibration" / "cameras.json").views_used == 8
+
+
+def test_a_simulated_bench_holds_the_board_itself(light_bench, tmp_path, zenoh_settings, capsys):
+    shutil.copytree(light_bench.parent, tmp_path, dirs_exist_ok=True)
+    table = read_table(light_bench) | {"zenoh": {"rendezvous": zenoh_settings.rendezvous}}
+    bench = tmp_path / "bench.toml"
+    bench.write_text(written(table), encoding="utf-8")
+    assert main(["calibrate", "cameras", "--config", str(bench), "--views", "6", "--json"]) == 0
+    cameras = cameras_in(tmp_path / "cameras.json")
+    assert json.loads(capsys.readouterr().out)["cameras"]["views_used"] == 6
+    for camera, true in zip(cameras.cameras, load_rig(tmp_path / "rig.json"), strict=True):
+        assert np.array(camera.intrinsics) == pytest.approx(true.intrinsics, abs=2.0)
