@@ -20,7 +20,8 @@ logging.getLogger("linuxpy").setLevel(logging.WARNING)
 def open_device(device: str) -> Device:
     """The device, open; raises CameraDeviceError when it is missing, forbidden, or gives no pictures."""
     opened = Device(device)
-    with device_errors(device):
+    with device_errors(device), contextlib.ExitStack() as failing:
+        failing.callback(opened.close)
         try:
             opened.open()
         except FileNotFoundError as error:
@@ -31,9 +32,8 @@ def open_device(device: str) -> Device:
                 "sudo usermod -aG video $USER, then log in anew"
             ) from error
         if Capability.VIDEO_CAPTURE not in opened.info.device_capabilities:
-            card = opened.info.card
-            opened.close()
-            raise CameraDeviceError(f"{device} ({card}) gives no pictures; {_present()}")
+            raise CameraDeviceError(f"{device} ({opened.info.card}) gives no pictures; {_present()}")
+        failing.pop_all()
     return opened
 
 

@@ -54,16 +54,17 @@ class Stream:
             frame = self._next(timeout_s)
         if frame is None:
             return None
-        stamp = frame.buff.timestamp
+        stamp, now_ns = frame.buff.timestamp, time.monotonic_ns()
         stamp_ns = stamp.secs * NS_PER_S + stamp.usecs * NS_PER_US
-        if stamp_ns > time.monotonic_ns() + NS_PER_S:
+        if stamp_ns > now_ns + NS_PER_S:
             raise CameraFormatError(f"{OTHER_CLOCK}: a picture comes from the future")
         if stamp_ns < self._not_before_ns:
             return None
         self._not_before_ns = 0
         return Captured(
             jpeg=frame.data,
-            capture_monotonic_ns=stamp_ns + self._middle_ns,
+            # drivers stamp later than they say, and nothing is seen after it has arrived
+            capture_monotonic_ns=min(stamp_ns + self._middle_ns, now_ns),
             sequence=frame.frame_nb,
             is_damaged=BufferFlag.ERROR in frame.flags,
         )

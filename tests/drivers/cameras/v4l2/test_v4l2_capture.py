@@ -36,13 +36,19 @@ def test_reading_returns_at_once_and_gives_the_newest_few(running_webcam, opened
 @pytest.mark.parametrize(
     ("source", "offset_ns"), [(BufferFlag.TSTAMP_SRC_SOE, HALF_NS), (BufferFlag.TSTAMP_SRC_EOF, -HALF_NS)]
 )
-def test_a_frames_time_is_the_middle_of_its_exposure(webcam, opened, taken, source, offset_ns):
+def test_a_frames_time_is_the_middle_of_its_exposure(webcam, opened, taken, eventually, source, offset_ns):
     webcam.buffers.flags = BufferFlag.TIMESTAMP_MONOTONIC | source
     camera = opened(webcam, controls=V4l2Controls(exposure_s=EXPOSURE_S))
     taken_ns = time.monotonic_ns() + 123_456
+    eventually(lambda: time.monotonic_ns() > taken_ns + HALF_NS)
     frame = taken(webcam, camera, timestamp_ns=taken_ns)
     # V4L2 counts in microseconds
     assert frame.capture_monotonic_ns == taken_ns // 1000 * 1000 + offset_ns
+
+
+def test_no_frame_is_of_later_than_it_came(webcam, opened, taken):
+    frame = taken(webcam, opened(webcam, controls=V4l2Controls(exposure_s=0.2)))
+    assert frame.capture_monotonic_ns <= time.monotonic_ns()
 
 
 def test_a_driver_that_stamps_by_another_clock_is_refused(webcam, opened):
