@@ -57,7 +57,7 @@ class BringUp:
         config = ["--config", str(bench)]
         try:
             self._do("new", ["new", str(folder), "--simulated", "--seed", str(self._seed)])
-            self._do("cameras look", ["cameras", "look", *config])
+            self._do("cameras look", ["cameras", "look", *config, "--out", str(folder / "look")])
             self._do("calibrate cameras", ["calibrate", "cameras", *config])
             self._judge(camera_errors(folder))
             self._do("calibrate base", ["calibrate", "base", *config])
