@@ -5,9 +5,8 @@ gradient of height proportional to 1 / sqrt(s² + a²). Two smoothings give the 
 
     s² = (b² - R² a²) / (R² - 1)
 
-(S. Zhuo and T. Sim, "Defocus map estimation from a single image", Pattern Recognition 44 (2011), equation 6, with a first
-smoothing so that noise counts less.) Edges that are soft by themselves, shadows and shading, are wide as well, so it is the
-sharpest quarter of strong edges that speaks for the lens.
+(S. Zhuo and T. Sim, "Defocus map estimation from a single image", Pattern Recognition 44 (2011), with a first
+smoothing so that noise counts less.) Shadows and shading are soft by themselves, so only strong edges speak for the lens.
 """
 
 from dataclasses import dataclass
@@ -24,8 +23,9 @@ DIFFERENCE_PX2 = 1 / 3
 """The variance of what the difference of a pixel's two neighbours averages over, which smooths too."""
 STRONG_LEVELS = 25.0
 """An edge counts whose two sides differ by about as much."""
+PIXEL_PX2 = 1 / 12
+"""The variance of what a pixel averages over: no picture is sharper."""
 FEWEST = 200
-SHARPEST = 25
 FACTORS = (1, 2, 4)
 RISE = 2.563
 """The way from 10 to 90 % of a step that is blurred by a Gaussian, in its standard deviations."""
@@ -40,8 +40,8 @@ class Edges:
 
     @property
     def width_px(self) -> float | None:
-        """How wide the sharpest edges are from 10 to 90 % of their step; None where there are no edges."""
-        return RISE * float(np.percentile(self.blur_px, SHARPEST)) if len(self.blur_px) else None
+        """How wide edges typically are from 10 to 90 % of their step; None where there are none."""
+        return RISE * float(np.median(self.blur_px)) if len(self.blur_px) else None
 
 
 def edges_in(luma: Image) -> Edges:
@@ -69,7 +69,7 @@ def _edges(luma: Image) -> Edges:
     usable = ratio > 1.0
     fine_px2, coarse_px2 = (sigma_px**2 + DIFFERENCE_PX2 for sigma_px in (FINE_PX, COARSE_PX))
     squares = (coarse_px2 - ratio[usable] * fine_px2) / (ratio[usable] - 1.0)
-    blur_px = np.sqrt(np.maximum(squares, 0.0)).astype(np.float64)
+    blur_px = np.sqrt(np.maximum(squares, PIXEL_PX2)).astype(np.float64)
     return Edges(np.column_stack([columns, rows])[usable], blur_px)
 
 

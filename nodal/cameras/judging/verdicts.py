@@ -58,7 +58,7 @@ def _sharpness(look: Look) -> Finding:
     return Finding(
         subject="sharpness",
         verdict=verdict,
-        words=f"{words}: the sharpest edges are {width_px:.1f} px wide (10 to 90 %)",
+        words=f"{words}: edges are {width_px:.1f} px wide (10 to 90 %)",
         advice=""
         if verdict is Verdict.GOOD
         else "focus on the robot by hand, wipe the lens, keep the robot still",

@@ -163,5 +163,5 @@ def test_look_through_pictures_tells_that_they_do_not_fit_the_calibration(
     left = json.loads(capsys.readouterr().out)["cameras"]["left"]
     assert {finding["subject"]: finding["verdict"] for finding in left["findings"]}["size"] == "poor"
     assert left["size_px"] == list(SIZE_PX)
-    assert 0.3 < left["figures"]["edge_width_px"] < 3.0
+    assert 0.7 < left["figures"]["edge_width_px"] < 3.0
     assert left["timing"] is left["figures"]["noise_levels"] is None
