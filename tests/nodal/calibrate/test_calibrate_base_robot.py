@@ -1,0 +1,182 @@
+"""The robot frame by the robot itself: a simulated robot in virtual time, photographed by simulated cameras."""
+
+import numpy as np
+import pytest
+
+from calibration.base import apart_from
+from calibration.camera_set import CameraSet
+from controller.settings import JogSettings
+from drivers.cameras import CameraFrame
+from drivers.simulated.cameras.renderer import Renderer
+from drivers.simulated.cameras.rig import default_cameras
+from drivers.simulated.cameras.settings import SimulatedCamerasSettings
+from drivers.simulated.robot.robot import SimulatedRobot
+from drivers.simulated.robot.settings import SimulatedRobotSettings
+from messaging.control import Action, Reply, State
+from nodal.bench_file import read_bench
+from nodal.calibrate.base_from_robot import RobotWay
+from nodal.calibrate.base_moving import moving_robot
+from nodal.calibrate.robot_hand import Glimpse
+from nodal.errors import CalibrationError, RobotStoppedError
+
+TURN_S, TURN_MM = 0.1, 0.25
+TENDONS = 4
+
+
+class VirtualHand:
+    """A controller that jogs and relaxes as the real one does, and the robot that it moves, in a time of their own."""
+
+    def __init__(self, robot=None, stage_mm=0.0):
+        self.now_s = 1000.0
+        self.state = State.IDLE
+        self.asked = []
+        self.command_mm = np.append(np.zeros(TENDONS), stage_mm)
+        self.goal_mm = self.command_mm.copy()
+        self.refuse_after = np.inf
+        self.fault_after = self.silent_after = np.inf
+        self._robot = robot
+        self._step()
+
+    def ask(self, action, axis="", distance_mm=0.0):
+        self.asked.append((action, axis, distance_mm))
+        if len(self.asked) > self.refuse_after and action is Action.JOG:
+            return Reply(accepted=False, state=self.state, reason="beyond its travel", advice="turn it back")
+        if action is Action.JOG:
+            self.state = State.UNHOMED
+            number = TENDONS if axis == "stage" else int(axis) - 1
+            self.goal_mm[number] = self.command_mm[number] + distance_mm
+        else:
+            self.state = State.IDLE
+        return Reply(accepted=True, state=self.state, reason="")
+
+    def watch(self):
+        if len(self.asked) > self.silent_after:
+            raise CalibrationError("the controller has been silent for 1 s")
+        if len(self.asked) > self.fault_after and self.state is State.UNHOMED:
+            self.state = State.FAULT
+        self._step()
+        told = self.state is State.UNHOMED
+        return Glimpse(
+            now_s=self.now_s,
+            state=self.state,
+            reason="no answer from servo 3" if self.state is State.FAULT else "",
+            advice="look at the cable" if self.state is State.FAULT else "",
+            command_mm=self.command_mm.copy() if told else np.full(TENDONS + 1, np.nan),
+            position_mm=self.command_mm.copy(),
+            current_ma=np.zeros(TENDONS + 1),
+            shape=None,
+            captured_s=0.0,
+        )
+
+    def _step(self):
+        self.now_s += TURN_S
+        self.command_mm += np.clip(self.goal_mm - self.command_mm, -TURN_MM, TURN_MM)
+        if self._robot is not None:
+            step = self._robot.step(self.command_mm[:TENDONS], float(self.command_mm[-1]), TURN_S)
+            self.centreline_mm = step.shape.centreline_mm
+
+
+class VirtualCamera:
+    """A picture of the virtual robot each time that its time has gone on."""
+
+    ended = False
+
+    def __init__(self, hand, calibration, seed):
+        self.name = calibration.camera
+        self._hand, self._read_s, self._number = hand, 0.0, 0
+        settings = SimulatedCamerasSettings()
+        self._renderer = Renderer(calibration, np.array([40.0, 80.0]), settings, seed)
+
+    def read(self):
+        if self._hand.now_s <= self._read_s:
+            return None
+        self._read_s, self._number = self._hand.now_s, self._number + 1
+        still = self._hand.centreline_mm
+        return CameraFrame(
+            name=self.name,
+            jpeg=self._renderer.render(still, still),
+            capture_monotonic_ns=int(self._read_s * 1e9),
+            number=self._number,
+        )
+
+    def close(self):
+        pass
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The frame by the way of the robot, and the hand that it was led with."""
+    rig = default_cameras()
+    hand = VirtualHand(SimulatedRobot(SimulatedRobotSettings()))
+    cameras = [VirtualCamera(hand, camera, seed) for seed, camera in enumerate(rig)]
+    way = RobotWay(read_bench("simulated").settings, CameraSet.of_rig(rig), cameras, pull_mm=2.0)
+    base, look = way.found(hand)
+    return rig, hand, base, look
+
+
+def test_the_frame_is_found_as_exactly_as_is_said_of_it(found):
+    rig, _, base, _ = found
+    apart = apart_from(rig[0].camera_from_robot, base.matrix)
+    assert apart.origin_mm < min(0.2, 3 * base.origin_sigma_mm)
+    assert apart.axis_rad < min(np.radians(0.1), 3 * base.axis_sigma_rad)
+    assert abs(apart.roll_rad) < min(np.radians(0.5), 3 * base.roll_sigma_rad)
+    assert max(base.residual_px.values()) < 0.1
+    assert base.robot.travel_mm == pytest.approx(15.0, abs=0.1)
+    assert base.robot.stage_scale == pytest.approx(1.0, abs=0.005)
+
+
+def test_the_robot_is_led_back_and_let_go(found):
+    _, hand, _, look = found
+    assert hand.asked[-1][0] is Action.RELAX
+    assert hand.command_mm == pytest.approx(np.zeros(TENDONS + 1), abs=1e-6)
+    assert max(abs(distance) for _, _, distance in hand.asked) <= JogSettings().at_most_mm
+    assert look.insertion_mm == pytest.approx(0.0, abs=1e-6)
+
+
+def lead(hand, *jogs, at_most_mm=5.0, error=None):
+    """Jog axes by distances, then meet with an error if there is one."""
+    with moving_robot(hand, JogSettings(at_most_mm=at_most_mm), TENDONS) as mover:
+        for axis, distance_mm in jogs:
+            mover.jog(axis, distance_mm)
+        if error is not None:
+            raise error
+        return mover.stage_mm
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError()])
+def test_the_tendons_are_let_go_whatever_happens(error):
+    hand = VirtualHand()
+    with pytest.raises(type(error)):
+        lead(hand, (0, 1.0), error=error)
+    assert hand.asked == [(Action.JOG, "1", 1.0), (Action.RELAX, "", 0.0)]
+
+
+def test_long_ways_are_jogged_in_parts_and_waited_for():
+    hand = VirtualHand(stage_mm=3.0)
+    assert lead(hand, (TENDONS, -5.0), at_most_mm=2.0) == pytest.approx(-2.0, abs=0.03)
+    assert [axis for action, axis, _ in hand.asked if action is Action.JOG] == ["stage"] * 3
+
+
+def test_a_refused_jog_ends_it_with_the_controllers_reason():
+    hand = VirtualHand()
+    hand.refuse_after = 1
+    with pytest.raises(RobotStoppedError, match="jog of stage by 1 mm was refused: beyond its") as stopped:
+        lead(hand, (0, 1.0), (TENDONS, 1.0))
+    assert stopped.value.advice == "turn it back"
+    assert hand.asked[-1][0] is Action.RELAX
+
+
+def test_a_fault_ends_it_with_its_advice():
+    hand = VirtualHand()
+    hand.fault_after = 1
+    with pytest.raises(RobotStoppedError, match="tendon 2 by 1 mm ended in fault: no answer") as stopped:
+        lead(hand, (0, 1.0), (1, 1.0))
+    assert stopped.value.advice == "look at the cable"
+
+
+def test_what_went_wrong_is_not_hidden_by_a_controller_that_is_silent_afterwards(capsys):
+    hand = VirtualHand()
+    hand.silent_after = 1
+    with pytest.raises(ValueError, match="first"):
+        lead(hand, (0, 1.0), error=ValueError("first"))
+    assert "may still be held: the controller has been silent" in capsys.readouterr().err
