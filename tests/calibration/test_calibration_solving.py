@@ -1,0 +1,208 @@
+"""Known cameras, boards at random poses, noisy corners: what is found, how well it knows itself, what is refused."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibration.corners import Corners
+from calibration.errors import ViewsError
+from calibration.solving import calibrate
+from calibration.views import View
+
+NOISE_PX = 0.05
+PINHOLE = {"fx_px": (0, 0), "fy_px": (1, 1), "cx_px": (0, 2), "cy_px": (1, 2)}
+
+
+def sigmas_off(found, known):
+    """Errors of a camera's intrinsics and place in standard deviations."""
+    K = np.array(found.intrinsics)
+    off = [(K[at] - known.K[at]) / found.sigma[name] for name, at in PINHOLE.items()]
+    for name, value, exact in zip(
+        ("k1", "k2", "p1", "p2", "k3"), found.distortion, known.distortion, strict=True
+    ):
+        off.append((value - exact) / found.sigma[name])
+    if "x_mm" in found.sigma:
+        pose = np.array(found.camera_from_rig)
+        for row, name in enumerate(("x_mm", "y_mm", "z_mm")):
+            off.append((pose[row, 3] - known.camera_from_rig[row, 3]) / found.sigma[name])
+    return np.array(off)
+
+
+def without(view, camera):
+    corners = {name: one for name, one in view.corners.items() if name != camera}
+    return View(view.name, corners, {camera: "no marker of DICT_4X4_50 is in sight"}, view.sizes)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    """Made once by the first test that asks, with what it was made from."""
+    return {}
+
+
+@pytest.fixture
+def two_cameras(known_bench, solved):
+    if not solved:
+        bench = known_bench(seed=1)
+        solved["bench"], solved["calibration"] = bench, calibrate(bench.board, bench.views(25), bench.sizes)
+    return solved["bench"], solved["calibration"]
+
+
+def test_two_cameras_are_found_within_what_they_say_of_themselves(two_cameras):
+    bench, found = two_cameras
+    for camera in found.cameras.cameras:
+        off = sigmas_off(camera, bench.cameras[camera.name])
+        assert np.abs(off).max() < 4
+        assert camera.rms_px == pytest.approx(NOISE_PX, rel=0.1)
+        assert camera.sigma["fx_px"] < 1
+    assert np.array_equal(found.cameras.cameras[0].camera_from_rig, np.eye(4))
+    assert "x_mm" not in found.cameras.cameras[0].sigma
+
+
+def test_held_out_views_are_predicted_about_as_well_as_corners_are_found(two_cameras):
+    _, found = two_cameras
+    for camera in found.cameras.cameras:
+        assert camera.rms_px < camera.held_out_rms_px < 3 * NOISE_PX
+
+
+def test_the_boards_own_squares_are_measured_in_held_out_views(two_cameras):
+    _, found = two_cameras
+    check = found.cameras.board_check
+    assert check.squares > 500
+    assert abs(check.mean_error_mm) < 0.001
+    assert 0.002 < check.rms_error_mm < 0.02
+    assert 0.002 < check.flatness_mm < 0.02
+
+
+def test_parameters_name_their_covariance(two_cameras):
+    _, found = two_cameras
+    sigma = dict(zip(found.parameters, np.sqrt(np.diag(found.covariance)), strict=True))
+    for camera in found.cameras.cameras:
+        for name, value in camera.sigma.items():
+            assert sigma[f"{camera.name}.{name}"] == pytest.approx(value)
+    assert len(sigma) == 9 + 15
+
+
+def test_residuals_and_poses_are_told_by_view(two_cameras):
+    bench, found = two_cameras
+    camera = np.array(found.cameras.cameras[1].camera_from_rig)
+    one = next(one for one in found.sightings if one.camera == "right")
+    pose = camera @ found.rig_from_board[one.view]
+    points_mm = bench.board.points_mm[one.corners.ids]
+    K, distortion = (
+        np.array(getattr(found.cameras.cameras[1], name)) for name in ("intrinsics", "distortion")
+    )
+    px, _ = cv2.projectPoints(points_mm, cv2.Rodrigues(pose[:3, :3])[0], pose[:3, 3], K, distortion)
+    np.testing.assert_allclose(one.corners.px - one.residual_px, px.reshape(-1, 2), atol=1e-6)
+    assert one.rms_px == pytest.approx(NOISE_PX, rel=0.5)
+
+
+def test_one_camera_alone(known_bench, known_camera):
+    bench = known_bench(cameras={"only": known_camera()})
+    found = calibrate(bench.board, bench.views(15, spread=0.15), bench.sizes).cameras
+    assert np.abs(sigmas_off(found.cameras[0], bench.cameras["only"])).max() < 4
+    assert found.cameras[0].held_out_rms_px < 3 * NOISE_PX
+    assert found.board_check is None
+
+
+def test_cameras_are_chained_through_views_that_neighbours_share(known_bench, known_camera):
+    angles = {"a": 0.0, "b": 40.0, "c": 80.0}
+    bench = known_bench(cameras={name: known_camera(angle_deg=angle) for name, angle in angles.items()})
+    views = bench.views(24)
+    views = [without(view, "c" if number % 2 else "a") for number, view in enumerate(views)]
+    found = calibrate(bench.board, views, bench.sizes).cameras
+    for camera in found.cameras:
+        assert np.abs(sigmas_off(camera, bench.cameras[camera.name])).max() < 4
+
+
+def test_cameras_that_share_no_view_are_refused_by_name(known_bench):
+    bench = known_bench()
+    views = [without(view, ("left", "right")[n % 2]) for n, view in enumerate(bench.views(20))]
+    with pytest.raises(ViewsError, match="no view shows the board to left and to right at once"):
+        calibrate(bench.board, views, bench.sizes)
+
+
+def test_too_few_views_are_refused(known_bench):
+    bench = known_bench()
+    with pytest.raises(ViewsError, match="camera left sees the board in 2 views that differ; at least 3"):
+        calibrate(bench.board, bench.views(2), bench.sizes)
+    with pytest.raises(ViewsError, match="no views of the board at all"):
+        calibrate(bench.board, [], bench.sizes)
+
+
+@pytest.mark.parametrize("turn_rad", [(0, 0, 0), (0.02, -0.02, 0)], ids=["fronto-parallel", "hardly tilted"])
+def test_views_of_one_tilt_leave_the_focal_length_open(known_bench, known_camera, turn_rad):
+    bench = known_bench(cameras={"only": known_camera()}, seed=3)
+    middle_mm = bench.board.points_mm.mean(axis=0)
+    views = []
+    for number, pose in enumerate(bench.poses(20, tilt_deg=0, spread=0.1)):
+        place_mm = pose[:3, :3] @ middle_mm + pose[:3, 3]
+        spun = np.array([0, 0, bench.random.uniform(-0.5, 0.5)])
+        pose[:3, :3] = cv2.Rodrigues(np.array(turn_rad, float))[0] @ cv2.Rodrigues(spun)[0]
+        pose[:3, 3] = place_mm - pose[:3, :3] @ middle_mm
+        views.append(bench.view(f"{number:02d}", pose))
+    with pytest.raises(ViewsError, match=r"camera only: the views leave the .* open by .*tilt the board"):
+        calibrate(bench.board, views, bench.sizes)
+
+
+def test_mixed_sizes_are_refused(known_bench):
+    bench = known_bench()
+    views = bench.views(10)
+    views[4] = View("04", views[4].corners, sizes={"left": (1280, 720)})
+    with pytest.raises(ViewsError, match="view 04 of camera left is 1280 x 720 px, others are 1920 x 1080"):
+        calibrate(bench.board, views, bench.sizes)
+
+
+def test_the_wrong_board_is_refused_with_what_was_seen(known_bench):
+    bench = known_bench()
+    missing = dict.fromkeys(bench.cameras, "markers of another board: id 37")
+    views = [View(f"{number}", {}, missing, bench.sizes) for number in range(12)]
+    with pytest.raises(
+        ViewsError, match=r"left has no usable view .* in 12 of 12: markers of another board: id 37"
+    ):
+        calibrate(bench.board, views, bench.sizes)
+
+
+def test_a_view_in_which_the_board_moved_between_the_pictures_is_left_away(known_bench):
+    bench = known_bench()
+    views = bench.views(16)
+    shifted = views[5].corners["right"]
+    views[5] = View(
+        "05",
+        {**views[5].corners, "right": Corners(shifted.ids, shifted.px + 6.0, shifted.blur_px)},
+        {},
+        bench.sizes,
+    )
+    found = calibrate(bench.board, views, bench.sizes)
+    assert list(found.cameras.views_rejected) == ["05"]
+    assert "px off where the other views put them" in found.cameras.views_rejected["05"]
+    for camera in found.cameras.cameras:
+        assert np.abs(sigmas_off(camera, bench.cameras[camera.name])).max() < 4
+
+
+def test_single_wrong_corners_are_left_away(known_bench):
+    bench = known_bench()
+    views = bench.views(12)
+    views[3].corners["left"].px[7] += 3.0
+    found = calibrate(bench.board, views, bench.sizes)
+    one = next(one for one in found.sightings if (one.view, one.camera) == ("03", "left"))
+    wrong = views[3].corners["left"].ids[7]
+    assert wrong not in one.corners.ids
+    assert found.cameras.views_rejected == {}
+
+
+def test_pictures_that_no_camera_explains_are_refused(known_bench):
+    bench = known_bench()
+    with pytest.raises(ViewsError, match=r"px|open"):
+        calibrate(bench.board, bench.views(16, noise_px=6.0), bench.sizes)
+
+
+def test_a_bent_board_is_seen_by_its_flatness(known_bench):
+    bench = known_bench()
+    flat_mm = bench.board.points_mm.copy()
+    x = (flat_mm[:, 0] - flat_mm[:, 0].mean()) / flat_mm[:, 0].max()
+    bench.board.points_mm[:, 2] = 0.6 * x**2
+    views = bench.views(16)
+    bench.board.points_mm[:] = flat_mm
+    found = calibrate(bench.board, views, bench.sizes).cameras
+    assert found.board_check.flatness_mm > 0.03
+    assert found.cameras[0].rms_px > 2 * NOISE_PX
