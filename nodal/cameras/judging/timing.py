@@ -8,6 +8,8 @@ import numpy as np
 from drivers.cameras import CameraFrame
 
 NS_PER_S = 1e9
+REACH = 0.55
+"""Of a period: half of it, and a little for times that tremble."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,19 +33,13 @@ def timing_of(frames: Sequence[CameraFrame]) -> Timing | None:
 def skews_s(frames: Mapping[str, Sequence[CameraFrame]]) -> list[float]:
     """How far apart each frame of the first camera and the frames nearest to it of every other lie, in s.
 
-    Frames from before or after all those of another camera do not count.
+    A frame without another camera's within half a period, where that one's was lost or had not begun, does not count.
     """
     first, *others = (np.array([frame.capture_monotonic_ns for frame in those]) for those in frames.values())
-    if not others or not all(len(those) for those in others):
+    timing = timing_of(next(iter(frames.values())))
+    if timing is None or not others or not all(len(those) for those in others):
         return []
-    begins, ends = max(those[0] for those in others), min(those[-1] for those in others)
-    period_ns = np.median(np.diff(first)) if len(first) > 1 else 0.0
-    within = first[(first >= begins - period_ns / 2) & (first <= ends + period_ns / 2)]
-    return [
-        _spread_ns([those[np.abs(those - time).argmin()] for those in others], time) / NS_PER_S
-        for time in within
-    ]
-
-
-def _spread_ns(times_ns: Sequence[int], time_ns: int) -> float:
-    return float(max(*times_ns, time_ns) - min(*times_ns, time_ns))
+    nearest = np.array([[those[np.abs(those - time).argmin()] for those in others] for time in first])
+    apart_ns = np.abs(nearest - first[:, None]).max(axis=1)
+    sets = np.column_stack([first, nearest])[apart_ns <= REACH * NS_PER_S / timing.rate_hz]
+    return [float(span_ns / NS_PER_S) for span_ns in np.ptp(sets, axis=1)]

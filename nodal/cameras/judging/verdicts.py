@@ -29,7 +29,7 @@ class Finding:
 
 
 SHARP_PX, BLURRED_PX = 3.0, 5.0
-DARK, DIM, BRIGHT, TOO_BRIGHT = 40, 70, 185, 215
+DARK, DIM, BRIGHT, TOO_BRIGHT = 45, 70, 185, 215
 FEW_CLIPPED, MANY_CLIPPED = 0.0002, 0.01
 CONTRAST_FACTOR = NOISE_FACTOR / CONTRAST_SHARE
 EVEN, UNEVEN = 0.5, 0.3
@@ -175,11 +175,9 @@ def finding_on_skew(skews_s: Sequence[float], maximum_skew_s: float) -> Finding:
         return Finding(subject="skew", verdict=Verdict.GOOD, words=words)
     allowed = f"sensing.maximum_skew_s allows {1e3 * maximum_skew_s:g} ms"
     if worst_s <= maximum_skew_s:
-        advice = "start anew for another phase between the cameras; move the robot slowly"
+        advice = "move the robot slowly, or take a higher rate; cameras drift against each other"
         return Finding(subject="skew", verdict=Verdict.FAIR, words=f"{words}; {allowed}", advice=advice)
-    advice = (
-        "start anew for another phase between the cameras, a higher rate, or a larger sensing.maximum_skew_s"
-    )
+    advice = "a higher rate, or a larger sensing.maximum_skew_s; half a period is the worst that comes about"
     return Finding(subject="skew", verdict=Verdict.POOR, words=f"{words}; {allowed}", advice=advice)
 
 

@@ -153,6 +153,7 @@ def test_skew_is_that_of_the_nearest_frames() -> None:
         "c": frames("c", [31, 64, 97]),
     }
     assert skews_s(taken) == pytest.approx([0.007, 0.007, 0.007])
+    assert skews_s(taken | {"c": frames("c", [31, None, 97])}) == pytest.approx([0.007, 0.007])
     assert skews_s({"a": taken["a"]}) == []
     assert [finding_on_skew([0.007], allowed).verdict for allowed in (0.02, 0.01, 0.005)] == list(Verdict)
 
