@@ -20,12 +20,11 @@ from sensing.sensor import Sensor
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Look:
-    """One frame set: coded pictures by camera, and the estimate of it; Unix ns. `stage_known` is false where its height is not."""
+    """One frame set: coded pictures by camera, and the estimate of it; Unix ns."""
 
     time_ns: int
     jpegs: Mapping[str, bytes]
     estimate: ShapeEstimate
-    stage_known: bool
 
 
 def recorded_looks(log: Log, bench: Bench, count: int) -> Iterator[Look]:
@@ -48,9 +47,7 @@ def recorded_looks(log: Log, bench: Bench, count: int) -> Iterator[Look]:
                 continue
             found = True
             estimate = record.estimate or _estimated(sensor, jpegs, record.sequence, record.capture_time_ns)
-            yield Look(
-                time_ns=record.capture_time_ns, jpegs=jpegs, estimate=estimate, stage_known=record.base_known
-            )
+            yield Look(time_ns=record.capture_time_ns, jpegs=jpegs, estimate=estimate)
     if not found:
         raise CalibrationError(f"{log.path}: it holds estimates but none of their pictures")
 
@@ -58,23 +55,15 @@ def recorded_looks(log: Log, bench: Bench, count: int) -> Iterator[Look]:
 def live_looks(cameras: Sequence[Camera], session: Session, bench: Bench, count: int) -> Iterator[Look]:
     """So many frame sets as they come; raises CameraSilentError, CalibrationError."""
     sensor, states = _sensor(bench), session.newest(topics.TENDON_STATE)
-    known = False
 
     def hear() -> None:
-        nonlocal known
         if (received := states.take()) is not None and isinstance(received[0], TendonState):
             sensor.heard(received[0])
-            known = True
 
     for number in range(count):
         (jpegs,) = taken(cameras, bench.settings.sensing.maximum_skew_s, 1, time.monotonic_ns(), hear)
         now_ns = time.time_ns()
-        yield Look(
-            time_ns=now_ns,
-            jpegs=jpegs,
-            estimate=_estimated(sensor, jpegs, number, now_ns),
-            stage_known=known,
-        )
+        yield Look(time_ns=now_ns, jpegs=jpegs, estimate=_estimated(sensor, jpegs, number, now_ns))
 
 
 def _sensor(bench: Bench) -> Sensor:

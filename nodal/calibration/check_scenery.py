@@ -1,8 +1,8 @@
 """How far a camera's picture has moved against an earlier one, from the scenery that stands still. Pure.
 
 Edges of the earlier picture are found again in the later one by least squares on brightness, coarse to fine (Lucas and Kanade 1981;
-Baker and Matthews 2004), for a shift and a turn of the whole picture. Brightness is taken as a band of its logarithm, so that light
-that has become stronger, weaker or uneven drops out; what does not fit (what has moved by itself, shadows) loses its say.
+Baker and Matthews 2004), for a shift and a turn of the whole picture. Brightness is taken as the logarithm of its ratio to that of
+the surroundings, so that light that has become stronger, weaker or uneven drops out; what does not fit (what has moved by itself, shadows) loses its say.
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,15 @@ STEPS = (8, 4, 2, 1)
 REACH = 6
 """At the coarsest step the best of all shifts up to so many pixels each way is where the search begins."""
 FINE, COARSE = 1.5, 8.0
-"""The band keeps what is larger than the one and smaller than the other, in pixels (standard deviations of Gaussians)."""
+"""The standard deviations, in pixels, of the Gaussians that brightness and surroundings are smoothed with."""
 DARK = 8.0
-"""Levels that are added before the logarithm, so that the noise of the dark does not grow."""
+"""Levels that are added before the ratio, so that the noise of the dark does not grow."""
 LEAST_GRADIENT, OVER_NOISE = 0.01, 8.0
 """An edge changes the band by so much per pixel at least, and by so many times what noise does."""
 LEAST_EDGES, MOST_EDGES = 300, 30000
 ROUNDS = 15
-STILL_PX = 1e-3
+STILL = 1e-5
+"""A change that alters the band by less ends the search."""
 TUKEY = 4.685
 MAD = 1.4826
 NOISE_AREA = 4 * np.pi * FINE**2
@@ -152,7 +153,7 @@ class _Search:
                 normal + 1e-12 * np.trace(normal) * np.eye(3), jacobian.T @ (weight * off)
             )
             answer = answer + change
-            if np.abs(change[:2]).max() < STILL_PX:
+            if np.abs(terms @ change).max() < STILL:
                 break
         noise = float((weight * off**2).sum() / weight.sum())
         covariance = np.asarray(NOISE_AREA * noise * np.linalg.pinv(normal), dtype=np.float64)
@@ -163,7 +164,7 @@ class _Search:
         padded = np.zeros((-(-len(at) // REMAP_ROW) * REMAP_ROW, 2), np.float32)
         padded[: len(at)] = at
         x, y = (np.ascontiguousarray(axis).reshape(-1, REMAP_ROW) for axis in padded.T)
-        sampled = cv2.remap(self._picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        sampled = cv2.remap(self._picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(sampled.ravel()[: len(at)], dtype=np.float64)
 
 
@@ -196,10 +197,9 @@ def _reduced(luma: Image, step: int) -> Image:
 
 
 def _band(luma: Image) -> Band:
-    light = np.log(luma.astype(np.float32) + np.float32(DARK))
-    return np.asarray(
-        cv2.GaussianBlur(light, (0, 0), FINE) - cv2.GaussianBlur(light, (0, 0), COARSE), dtype=np.float32
-    )
+    levels = luma.astype(np.float32)
+    fine, coarse = (cv2.GaussianBlur(levels, (0, 0), size) + np.float32(DARK) for size in (FINE, COARSE))
+    return np.asarray(np.log(fine / coarse), dtype=np.float32)
 
 
 def _correlation(one: FloatArray, other: FloatArray, weight: FloatArray | None = None) -> float:

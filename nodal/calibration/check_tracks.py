@@ -1,7 +1,8 @@
 """Where each camera's scenery has lain from look to look. Pure."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from messaging.checked import FloatArray
 from nodal.calibration.check_looks import Look
 from nodal.calibration.check_scenery import Mask, Motion, Scenery
+from sensing.errors import PictureError
 from sensing.geometry.camera import Camera
 from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
@@ -20,7 +22,13 @@ AROUND_ROBOT_MM = 8.0
 """So near to the centreline nothing counts as scenery."""
 HOLDER_DEPTH_MM = 10.0
 """Below the base, where the holder's own motion with the stage is worked out."""
+COLLAR_MM = 4.0
+"""From above the holder's top face is seen as far above the base as this."""
 CARRIED_FROM_PX = 0.2
+CARRIED_SHARE = 0.02
+"""Of how far the stage has carried the holder in the picture, so much is uncertain: its faces are nearer than its axis, or farther."""
+CLEAR = 2.0
+"""Looks that tell the motion worse than the best one by more than this factor do not count."""
 STAGE_STEADY_MM = 1.0
 
 
@@ -47,14 +55,15 @@ class Track:
         carried = [(one, one.motion) for one in self.sightings if one.motion is not None]
         fixed = [(one, one.fixed) for one in self.sightings if one.fixed is not None]
         steadier = min((way for way in (carried, fixed) if way), key=_unrest, default=[])
-        return [(one.time_ns, motion) for one, motion in steadier]
+        best_px = min((motion.sigma_px for _, motion in steadier), default=0.0)
+        return [(one.time_ns, motion) for one, motion in steadier if motion.sigma_px <= CLEAR * best_px]
 
 
 def tracks(
     scene: Scene, references: Mapping[str, Image], reference_mm: float, looks: Iterable[Look]
 ) -> list[Track]:
     """One for each camera of the scene. `references` are pictures (h, w, 3) without the robot by camera, taken with the stage at
-    `reference_mm`. Raises UnreadableImageError, ImageSizeError.
+    `reference_mm`. Pictures that cannot be used are left out.
     """
     found = [Track(camera=camera) for camera in scene.cameras]
     sceneries = {
@@ -64,7 +73,10 @@ def tracks(
     for look in looks:
         for track in found:
             camera = track.camera
-            luma = Picture(camera.name, look.jpegs[camera.name], camera.size_px).luma
+            try:
+                luma = Picture(camera.name, look.jpegs.get(camera.name, b""), camera.size_px).luma
+            except PictureError:
+                continue
             track.sightings.append(_sighting(scene, camera, sceneries[camera.name], luma, look, reference_mm))
     return found
 
@@ -74,13 +86,14 @@ def _sighting(
 ) -> Sighting:
     insertion_mm = look.estimate.insertion_mm
     hidden = _hidden(scene, camera, look)
-    carried = _below(scene, camera, min(insertion_mm, reference_mm) + 1.0)
+    carried = _below(scene, camera, reference_mm + COLLAR_MM)
     middle = np.array([[0.0, 0.0, height - HOLDER_DEPTH_MM] for height in (reference_mm, insertion_mm)])
     before, now = camera.project(middle)
     still = scenery.motion(luma, hidden, carried, np.zeros(2))
     moved = still
-    if np.linalg.norm(now - before) > CARRIED_FROM_PX:
+    if (lifted := float(np.linalg.norm(now - before))) > CARRIED_FROM_PX:
         moved = scenery.motion(luma, hidden, carried, now - before)
+        moved = moved and replace(moved, sigma_px=math.hypot(moved.sigma_px, CARRIED_SHARE * lifted))
     return Sighting(time_ns=look.time_ns, insertion_mm=insertion_mm, motion=moved, fixed=still)
 
 

@@ -82,6 +82,8 @@ def judged(
 
 def _camera(track: Track, robot_mm: FloatArray, begin_ns: int) -> CameraFinding:
     camera, motions = track.camera, track.motions
+    if not track.sightings:
+        return CameraFinding(camera=camera.name, moved=None, reason="none of its pictures can be used")
     if not motions:
         return CameraFinding(
             camera=camera.name,
