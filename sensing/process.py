@@ -80,6 +80,8 @@ def run(
                 time.sleep(POLL_S)
             speaker.say_rig()
             healthy()
+    if not stop.is_set():
+        logger.info("every camera has come to its end")
 
 
 class _Speaker:

@@ -1,8 +1,10 @@
 """Which cameras a command looks through: those of the bench, or files that stand for them. Imports nothing slow."""
 
 import argparse
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ def chosen_cameras(
         files = _by_name("--video", arguments.video, settings)
         return {name: AviCameraSettings(file=file) for name, file in files.items()}
     if arguments.recording:
+        _warn_of_parts(arguments.recording)
         return {name: RecordingCameraSettings(file=arguments.recording) for name in settings.cameras}
     return settings.cameras
 
@@ -63,6 +66,15 @@ def running_cameras(
         open_cameras(chosen, session, paced=False) as cameras,
     ):
         yield cameras, session
+
+
+def _warn_of_parts(recording: str) -> None:
+    """A recording that goes on in further files is read no farther than the one that was named."""
+    from recordings.parts import parts  # noqa: PLC0415
+
+    _, *others = parts(Path(recording)) or (None,)
+    if others:
+        print(f"only {recording} is read; it goes on in {', '.join(map(str, others))}", file=sys.stderr)
 
 
 def _by_name(option: str, given: list[str], settings: "BenchSettings") -> dict[str, str]:

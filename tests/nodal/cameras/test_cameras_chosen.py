@@ -56,6 +56,18 @@ def test_videos_and_recordings(chosen) -> None:
     assert chosen("--recording", LOG) == dict.fromkeys(("left", "right"), RecordingCameraSettings(file=LOG))
 
 
+def test_parts_that_are_not_read_are_named(chosen, tmp_path, capsys) -> None:
+    for name in ("run.mcap", "run.part2.mcap"):
+        (tmp_path / name).touch()
+    chosen("--recording", f"{tmp_path}/run.mcap")
+    assert (
+        capsys.readouterr().err
+        == f"only {tmp_path}/run.mcap is read; it goes on in {tmp_path}/run.part2.mcap\n"
+    )
+    chosen("--recording", LOG)
+    assert capsys.readouterr().err == ""
+
+
 def test_a_recording_runs_without_the_bench(chosen, bench) -> None:
     with running_cameras(bench, chosen("--recording", LOG), "cameras") as (cameras, _):
         assert [camera.read().name for camera in cameras] == ["left", "right"]
