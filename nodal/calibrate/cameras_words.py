@@ -62,7 +62,7 @@ def hint(judgement: Judgement) -> str:
 
 
 def _distortion(key: str, camera: CalibratedCamera) -> str:
-    return _with_sigma(camera, key, camera.distortion[DISTORTION.index(key)], 5)
+    return _with_sigma(camera, key, camera.distortion[DISTORTION.index(key)], 6)
 
 
 def _with_sigma(camera: CalibratedCamera, key: str, value: float, digits: int) -> str:

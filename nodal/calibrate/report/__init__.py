@@ -1,4 +1,14 @@
 """The calibration report: one HTML page of what lies in the folder of the calibration."""
 
-SECTIONS = ("cameras", "accuracy", "space", "coverage", "residuals", "distortion", "views")
+SECTIONS = (
+    "cameras",
+    "accuracy",
+    "space",
+    "base",
+    "background",
+    "coverage",
+    "residuals",
+    "distortion",
+    "views",
+)
 """Each is a file of this folder with TITLE and `content(material)`, which returns None when it has nothing to show."""

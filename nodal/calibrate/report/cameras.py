@@ -6,6 +6,7 @@ from nodal.calibrate.report.material import Material
 from nodal.report.page.markup import Content, element, table
 
 TITLE = "Cameras"
+NO_BREAK = "\u00a0"
 
 
 def content(known: Material) -> Content:
@@ -21,10 +22,10 @@ def content(known: Material) -> Content:
             (
                 (
                     one.what,
-                    value_of(one),
+                    value_of(one).replace(" ", NO_BREAK),
                     element("strong", str(one.grade), class_=f"level {one.grade}"),
-                    f"{one.limits[0]:g} {one.unit}".strip(),
-                    f"{one.limits[1]:g} {one.unit}".strip(),
+                    f"{one.limits[0]:g}{NO_BREAK}{one.unit}",
+                    f"{one.limits[1]:g}{NO_BREAK}{one.unit}",
                     one.why,
                 )
                 for one in judgements(known.cameras)

@@ -5,7 +5,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from calibration.camera_set import CalibratedCamera
-from nodal.calibrate.report.material import Material
+from nodal.calibrate.report.material import HIGHEST_PX, Material
 from nodal.report.page.markup import Content, element, figure
 from nodal.report.page.overlaid import picture_svg
 
@@ -14,7 +14,6 @@ ARROW = 1 / 40
 """How long a line of the size of the RMS is drawn, at most, in heights of the picture."""
 LEAST_PX = 1e-3
 SEEN, MISSED = "#45b8ff", "#ff5470"
-HIGHEST_PX = 480
 
 
 def content(known: Material) -> Content:

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from calibration.base import Base, BasesFound
 from calibration.camera_set import BoardCheck
 from nodal.__main__ import main
 from nodal.calibrate.cameras_verdict import Grade, judgements, overall
@@ -67,6 +68,30 @@ def test_cameras_of_somebody_else_have_a_report_of_what_is_known(calibrated_benc
     page = (folder / "report.html").read_text()
     assert sections_of(page) == ["cameras", "accuracy", "space", "distortion"]
     assert "in the robot frame" in page
+
+
+def test_the_robot_frame_is_shown_as_long_as_it_is_of_these_cameras(calibrated_bench, cameras):
+    folder, page = calibrated_bench.parent / "calibration", calibrated_bench.parent / "page.html"
+    base = Base(
+        way="board",
+        rig_from_robot=np.eye(4).tolist(),
+        covariance=(np.eye(6) * 1e-4).tolist(),
+        residual_px={"left": 0.03, "right": 0.04},
+        residual_mm=0.01,
+        frame_sets=12,
+        cameras_made_at=cameras.made_at,
+    )
+    found = BasesFound(used="board", board=base, robot=msgspec.structs.replace(base, way="robot"))
+    report = ["calibration", "report", "--config", str(calibrated_bench), "--out", str(page)]
+    (folder / "base.json").write_bytes(msgspec.json.encode(found))
+    (folder / "base-left.jpg").write_bytes((folder / "views" / "00_left.jpg").read_bytes())
+    assert main(report) == 0
+    assert "left 0.030\u202fpx, right 0.040\u202fpx; 0.010\u202fmm" in page.read_text()
+    assert "board and robot apart" in page.read_text()
+    stale = msgspec.structs.replace(base, cameras_made_at="some other day")
+    (folder / "base.json").write_bytes(msgspec.json.encode(BasesFound(used="board", board=stale)))
+    assert main(report) == 0
+    assert "it must be found again" in page.read_text()
 
 
 def test_without_cameras_there_is_no_report(bench, capsys):

@@ -1,0 +1,36 @@
+"""The scene without the robot."""
+
+from nodal.calibrate.background_keeping import FILE, BackgroundFound
+from nodal.calibrate.report.material import Material
+from nodal.report.page.markup import Content, element, table
+
+TITLE = "Background"
+
+
+def content(known: Material) -> Content:
+    """What each camera's picture without the robot tells."""
+    found = known.found(FILE, BackgroundFound)
+    if found is None:
+        return None
+    return [
+        element("p", f"Taken {found.made_at}, with the stage at {found.insertion_mm:.1f} mm."),
+        table(
+            "Backgrounds",
+            ["", "pictures", "red, green, blue", "noise", "flicker", "uneven", "clipped", "spots"],
+            (
+                (
+                    one.camera,
+                    str(one.pictures),
+                    ", ".join(f"{level:.0f}" for level in one.level),
+                    f"{one.tile_noise:.1f} levels",
+                    f"{100 * one.flicker:.2f} %",
+                    f"{100 * one.unevenness:.0f} %",
+                    f"{100 * one.clipped_share:.1f} %",
+                    str(len(one.spots)),
+                )
+                for one in found.cameras
+            ),
+            class_="figures",
+        ),
+        element("div", known.drawn("background-{}-judged.jpg"), class_="moments"),
+    ]
