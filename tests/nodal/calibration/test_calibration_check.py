@@ -21,6 +21,7 @@ from nodal.calibration.check_scenery import Motion, Scenery
 from nodal.calibration.check_tracks import Sighting, Track, tracks
 from nodal.calibration.check_verdict import judged
 from nodal.calibration_file import save_rig
+from nodal.toml_file import read_table, written
 from recordings.settings import RecorderSettings
 from recordings.writer import RecordingWriter
 from sensing.geometry.camera import Camera
