@@ -54,10 +54,10 @@ class BoardView:
         )
         if self._blur_px:
             sheet = np.asarray(cv2.GaussianBlur(sheet, (0, 0), self._blur_px))
-        level = sheet[:, :, 0] * self._shade(window, places[0])
-        uncovered = 1 - sheet[:, :, 1] / 255
-        seen = picture[window.slices] * uncovered[:, :, None] + level[:, :, None]
-        picture[window.slices] = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+        paper = cv2.convertScaleAbs(sheet[:, :, 0] * self._shade(window, places[0]))
+        uncovered = cv2.convertScaleAbs(255 - sheet[:, :, 1])
+        behind = cv2.multiply(picture[window.slices], cv2.merge([uncovered] * 3), scale=1 / 255)
+        picture[window.slices] = cv2.add(behind, cv2.merge([paper] * 3))
         return window
 
     def _in_camera(self, robot_from_board: Array) -> Array:
