@@ -80,8 +80,13 @@ class Belief:
 class Learning:
     """The filter for one robot."""
 
-    def __init__(self, settings: BeliefSettings, kinematics: Kinematics) -> None:
-        """Nothing is known yet."""
+    def __init__(
+        self,
+        settings: BeliefSettings,
+        kinematics: Kinematics,
+        identified: tuple[Array, Array] | None = None,
+    ) -> None:
+        """Nothing is known yet, or what was `identified`: G, b0, s and w (n,), and their standard deviations (n,)."""
         self._settings = settings
         self._kinematics = kinematics
         bends, stage = 2 * len(kinematics.length_mm), int(kinematics.stage)
@@ -98,16 +103,19 @@ class Learning:
         self._reach = np.repeat(
             [settings.bound, 4 * settings.bias_rad, settings.bound, 4 * lost_sigma], sizes
         )
+        drawn = np.repeat([0.0, 0.0, 0.0, settings.lost_motion_mm], sizes)
+        begin: tuple[Array, Array] = (drawn, self._sigma) if identified is None else identified
+        self._begin, self._begin_sigma = begin
 
     def begin(self, measured: Measurement, axes: Axes, lost_motion_mm: Array) -> Belief:
-        """What is believed of a robot that was just homed: its nominal model, with offsets as first seen.
+        """What is believed of a robot that was just homed: its nominal model, or what was identified, with offsets as first seen.
 
         `lost_motion_mm` (A,) as homing found it, NaN where it did not look.
         """
         found = lost_motion_mm[: self._kinematics.tendons]
-        nominal = np.zeros(self._known)
-        nominal[self._lost] = np.where(np.isnan(found), self._settings.lost_motion_mm, found)
-        return self._seen_first(nominal, nominal, np.diag(self._sigma**2), measured, axes)
+        nominal = self._begin.copy()
+        nominal[self._lost] = np.where(np.isnan(found), nominal[self._lost], found)
+        return self._seen_first(nominal, nominal, np.diag(self._begin_sigma**2), measured, axes)
 
     def at_points(self, belief: Belief, measured: Measurement, axes: Axes) -> Belief:
         """The same belief for the nodal points that are seen now: with offsets as first seen if they are others."""

@@ -30,11 +30,14 @@ class Plant:
     maximum_node_speed_mm_s: float
     antagonistic: NDArray[np.bool_]
     """(A,) true for axes that pull both ways: pairs, and the stage; false for single tendons, which can go slack."""
+    identified: tuple[Array, Array] | None = None
+    """What the robot was found to be beyond its kinematics, and the standard deviations, in the order of controller/belief.py."""
 
     @classmethod
     def of(cls, settings: ControllerSettings, robot: RobotSettings) -> Self:
         """Raises ControllerSetupError when the settings do not fit the robot."""
         kinematics = settings.kinematics(robot)
+        identified = settings.identified
         pairs = [bool(section.pair_angle_deg) for section in settings.sections for _ in section.angle_deg]
         return cls(
             kinematics=kinematics,
@@ -43,6 +46,7 @@ class Plant:
             clearance_mm=settings.keep_clear_mm,
             maximum_node_speed_mm_s=settings.maximum_node_speed_mm_s,
             antagonistic=np.array([*pairs, *[True] * kinematics.stage]),
+            identified=None if identified is None else identified.stacked(kinematics),
         )
 
     @property

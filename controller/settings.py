@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from controller.history import KEPT_S
+from controller.identified import IdentifiedSettings
 from controller.kinematics import Kinematics
 from controller.regions import Region
 from messaging.settings import RobotSettings
@@ -173,6 +174,8 @@ class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
     )
     coupling: Annotated[float, msgspec.Meta(ge=0, le=1)] = 1.0
     """Share of the pitch radius at which distal tendons cross the sections before their own; 0 leads them along the backbone."""
+    identified: IdentifiedSettings | None = None
+    """What this robot was found to be beyond the drawing; without it, laws begin at the drawing."""
     forbidden: tuple[Region, ...] = ()
     keep_clear_mm: Annotated[float, msgspec.Meta(ge=0, le=1000)] = 5.0
     law: str = "resolved_rate"

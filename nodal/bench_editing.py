@@ -14,7 +14,8 @@ from nodal.toml_file import Table, read_table
 
 
 def edit_bench_file(path: Path, changes: Table) -> None:
-    """Put these values in place of the file's own, or add them; tables are merged, everything else is replaced.
+    """Put these values in place of the file's own, or add them; tables are merged, so are the tables of a list for
+    which a mapping says what to change by their places; everything else is replaced.
 
     The old file stays beside it as `NAME~`. What the file is afterwards must still be TOML with finite numbers. Raises BenchFileError.
     """
@@ -37,6 +38,9 @@ def _merge(table: Any, changes: Mapping[str, Any]) -> None:
     for key, value in changes.items():
         if isinstance(value, Mapping) and isinstance(table.get(key), AbstractTable | dict):
             _merge(table[key], value)
+        elif isinstance(value, Mapping) and isinstance(table.get(key), list):
+            for place, change in value.items():
+                _merge(table[key][place], change)
         elif value is None:
             table.pop(key, None)
         elif isinstance(value, Mapping):

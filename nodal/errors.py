@@ -7,6 +7,8 @@ NodalError
 |-- BusError               a servo bus on which nobody answers, or not the one that is asked for
 |-- SetupRefusedError      a servo that must not be set up as it is now; nothing was written
 |-- CalibrationError       what was shown or given is not enough to calibrate anything
+|-- RobotStoppedError      a robot that is led to be calibrated must not be led on: a fault, a refusal, an axis that does not answer
+|   `-- JogRefusedError    a single move that the controller refuses; others may still be possible
 |-- ProcessError           a process of the bench did not start or does not stay up, or what is waited for does not come
 |-- DemoError              the demo cannot go on
 |-- ExportError            an export that cannot be written
@@ -39,6 +41,19 @@ class SetupRefusedError(NodalError):
 
 class CalibrationError(NodalError):
     """Calibration cannot be done with what there is; the reason says what is missing."""
+
+
+class RobotStoppedError(NodalError):
+    """The robot must not be led on while it is calibrated; with what the operator can do about it."""
+
+    def __init__(self, reason: str, advice: str = "") -> None:
+        """`advice` may be empty."""
+        super().__init__(reason)
+        self.advice = advice
+
+
+class JogRefusedError(RobotStoppedError):
+    """The controller refuses one move, because of a forbidden region or a limit; the robot stands as it did."""
 
 
 class ProcessError(NodalError):

@@ -75,7 +75,7 @@ class ResolvedRate:
         """The law never asks a nodal point to move faster than the plant allows, to catch up neither."""
         self._tuning = tuning
         self._plant = plant
-        self._learning = Learning(tuning.belief, plant.kinematics)
+        self._learning = Learning(tuning.belief, plant.kinematics, plant.identified)
         self._allocation = Allocation(
             plant, damping_mm=tuning.damping_mm, insertion_cost=tuning.insertion_cost
         )

@@ -1,0 +1,44 @@
+"""The virtual bench, asked and watched as the bus is: what moves a robot to be identified moves this one too."""
+
+import numpy as np
+
+from messaging.control import Action, ActionRequest, Reply
+from nodal.calibrate.robot_hand import Glimpse
+from nodal.virtual.bench import VirtualBench
+
+_LOOK_S = 0.03
+
+
+class VirtualHand:
+    """Implements `nodal.calibrate.robot_hand.Hand`."""
+
+    def __init__(self, bench: VirtualBench) -> None:
+        """The bench may be changed meanwhile: that is how things go wrong."""
+        self.bench = bench
+        self._last = -1
+
+    def ask(self, action: Action, axis: str = "", distance_mm: float = 0.0) -> Reply:
+        """See `Hand`; time goes on by one step of the robot."""
+        request = ActionRequest(action=action, axis=axis, distance_mm=distance_mm)
+        return self.bench.run(0.0, request)[1][0]
+
+    def watch(self) -> Glimpse:
+        """See `Hand`."""
+        bench = self.bench
+        bench.run(_LOOK_S)
+        state, drive, seen = bench.state, bench.actuators.read(), bench.state.seen
+        fresh = seen if seen is not None and seen.shape.sequence != self._last else None
+        if fresh is not None:
+            self._last = fresh.shape.sequence
+        told = state.supervision.told
+        return Glimpse(
+            now_s=bench.now_s,
+            state=state.mode.state.value,
+            reason=state.supervision.reason,
+            advice=told.get("advice", ""),
+            command_mm=state.command_mm if state.mode.torque else np.full(bench.plant.axes, np.nan),
+            position_mm=drive.position_mm,
+            current_ma=drive.current_ma,
+            shape=None if fresh is None else fresh.shape,
+            captured_s=0.0 if fresh is None else fresh.capture_s,
+        )
