@@ -77,8 +77,7 @@ def work_area(camera: Camera, reach: Reach, beyond: Mask) -> FloatArray | None:
         if corners is not None and all(_holds(corners, place) for place in seen if _shown(place, grid)):
             if mask.all():
                 return None
-            width, height = camera.size_px
-            return np.clip(np.rint(grid.fine(corners)), 0, [width - 1, height - 1])
+            return _to_the_edge(grid.fine(corners), camera.size_px, grid.step)
     return None
 
 
@@ -90,6 +89,13 @@ def _outline(mask: Mask, base: FloatArray) -> FloatArray | None:
         if len(outline) >= 3 and _holds(outline, base):
             return outline
     return None
+
+
+def _to_the_edge(corners: FloatArray, size_px: tuple[int, int], step: int) -> FloatArray:
+    """Corners (n, 2) in px, those at the picture's edge right on it."""
+    last, near = np.array(size_px) - 1.0, (STRAIGHT_PX + 1) * step
+    snapped = np.where(corners < near, 0.0, np.where(corners > last - near, last, np.rint(corners)))
+    return np.asarray(snapped, dtype=np.float64)
 
 
 def _holds(corners: FloatArray, place: FloatArray) -> bool:

@@ -47,14 +47,15 @@ def keep(bench: BenchFile, found: BackgroundFound, pictures: Mapping[str, Image]
     except OSError as error:
         raise CalibrationFileError(f"{folder / FILE}: cannot be written: {error.strerror}") from error
     relative = {name: os.path.relpath(file, bench.path.parent) for name, file in files.items()}
-    areas = {camera.camera: camera.work_area for camera in found.cameras}
-    sensing = {
-        "background": relative,
-        "work_area": {
-            name: None if area is None else [list(corner) for corner in area] for name, area in areas.items()
-        },
+    known = bench.settings.sensing.work_area
+    areas = {
+        camera.camera: camera.work_area and [list(corner) for corner in camera.work_area]
+        for camera in found.cameras
+        if camera.work_area or camera.camera in known
     }
-    edit_bench_file(bench.path, {"sensing": sensing})
+    edit_bench_file(
+        bench.path, {"sensing": {"background": relative} | ({"work_area": areas} if areas else {})}
+    )
     return list(files.values())
 
 

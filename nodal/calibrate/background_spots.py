@@ -17,8 +17,8 @@ from sensing.pictures.surface import Surface
 STANDS_OUT, OVER_NOISE = 8.0, 5.0
 """Levels by which a spot differs from the smooth backdrop at least, and times the noise of the mean picture."""
 SMALLEST_SPOT_MM2 = 3.0
-BEYOND_SHARE, BEYOND_IN_REACH = 0.005, 0.02
-"""What differs from the backdrop, touches the picture's edge and is so large a share of the picture lies beyond the backdrop; it counts
+FOREIGN, BEYOND_SHARE, BEYOND_IN_REACH = 35.0, 0.005, 0.02
+"""What has a colour so many levels from the backdrop's, touches the picture's edge and is so large a share of the picture lies beyond the backdrop; it counts
 where so much of it lies within reach."""
 SHARP = 0.3
 """Across its edge a thing loses so much of its distance from the backdrop at least; a soft shadow does not."""
@@ -36,16 +36,20 @@ class Spot(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Backing:
-    """A mean picture and a smooth surface through it, both (h, w, 3) in detection pixels, and how far they differ (h, w)."""
+    """A mean picture and a smooth surface through it, both (h, w, 3) in detection pixels, and how far they differ (h, w).
+
+    Where `elsewhere` (h, w) is 0 stands the holder.
+    """
 
     small: Image
+    elsewhere: Mask
     surface: Image
     distance: NDArray[np.float32]
     differing: Mask
 
     @classmethod
     def of(cls, statistics: Statistics, elsewhere: Mask) -> "Backing":
-        """Nothing differs where `elsewhere` (h, w) is 0: there stands the holder."""
+        """Nothing differs where the holder stands."""
         height, width = statistics.mean.shape[:2]
         grid = Grid.of((width, height))
         small = grid.reduced(statistics.mean)
@@ -54,11 +58,19 @@ class Backing:
         distance = np.asarray(cv2.GaussianBlur(apart, (0, 0), 1.0), dtype=np.float32)
         grain = float(np.linalg.norm(statistics.noise)) / np.sqrt(statistics.count)
         least = max(STANDS_OUT, OVER_NOISE * grain, 3.0 * float(np.median(distance)))
-        return cls(small=small, surface=surface, distance=distance, differing=elsewhere * (distance > least))
+        return cls(
+            small=small,
+            elsewhere=elsewhere,
+            surface=surface,
+            distance=distance,
+            differing=elsewhere * (distance > least),
+        )
 
     def beyond(self, looked: Mask) -> Mask:
         """What lies beyond the backdrop (255), as far as it comes into what is looked at (h, w)."""
-        closed = cv2.morphologyEx(self.differing, cv2.MORPH_CLOSE, CLOSING)
+        middle = np.median(self.small[looked > 0], axis=0)
+        distance = np.linalg.norm(self.small - middle, axis=2).astype(np.float32)
+        closed = cv2.morphologyEx(self.elsewhere * (distance > FOREIGN), cv2.MORPH_CLOSE, CLOSING)
         _, labels, boxes, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
         height, width = closed.shape
         beyond = np.zeros((height, width), dtype=np.uint8)
@@ -68,7 +80,7 @@ class Backing:
             part = labels == label
             at_edge = x == 0 or y == 0 or x + across == width or y + down == height
             in_reach = float((looked[part] > 0).mean()) > BEYOND_IN_REACH
-            if at_edge and in_reach and sharpness(self.distance, part.astype(np.uint8)) > SHARP:
+            if at_edge and in_reach and sharpness(distance, part.astype(np.uint8)) > SHARP:
                 beyond[part] = 255
         return beyond
 

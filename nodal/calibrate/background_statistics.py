@@ -85,7 +85,8 @@ class Pictures:
             variance = (
                 np.maximum(self._squares / self._count - mean**2, 0.0) * self._count / (self._count - 1)
             )
-            noise = np.sqrt(np.array([float(np.median(channel)) for channel in cv2.split(variance)]))
+            typical = np.array([float(np.median(channel)) for channel in cv2.split(variance)])
+            noise = np.sqrt(typical / _median_of_chi_square(self._count - 1))
             spread = np.sqrt(variance.mean(axis=2))
         rows = max(round(TILES * mean.shape[0] / mean.shape[1]), 1)
         return Statistics(
@@ -103,6 +104,11 @@ class Pictures:
 def _grain(picture: Image) -> FloatArray:
     answers = [cv2.filter2D(channel, cv2.CV_32F, IMMERKAER) for channel in cv2.split(picture)]
     return np.array([1.4826 * float(np.median(np.abs(answer))) for answer in answers])
+
+
+def _median_of_chi_square(degrees: int) -> float:
+    """Over its mean (E. B. Wilson and M. M. Hilferty, 1931)."""
+    return float((1 - 2 / (9 * degrees)) ** 3)
 
 
 def _stirred(ranges: NDArray[np.float32], width_px: int) -> tuple[Box, ...]:
