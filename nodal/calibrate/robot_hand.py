@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 TURN_S = 0.02
 ANSWER_S = 2.0
 SILENT_S = 1.0
+DRIVE_SOUGHT_S = 5.0
+"""The controller looks for its servos every second."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,6 +83,7 @@ class BenchHand:
         """See `Hand`."""
         time.sleep(TURN_S)
         self._heartbeat.give()
+        begun_s = time.monotonic()
         while True:
             if (taken := self._states.take()) is not None:
                 self._state, self._heard_s = cast("ControllerState", taken[0]), time.monotonic()
@@ -92,6 +95,8 @@ class BenchHand:
                 raise CalibrationError(f"the controller has been silent for {SILENT_S:g} s")
             if self._state is not None and self._drive is not None:
                 break
+            if self._state is not None and time.monotonic() - begun_s > DRIVE_SOUGHT_S:
+                raise CalibrationError(f"the servos are not heard: {self._state.drive_absence}")
             time.sleep(TURN_S)
         shape = self._shapes.take()
         return self._glimpse(

@@ -1,5 +1,7 @@
 """The robot frame by the robot itself: a simulated robot in virtual time, photographed by simulated cameras."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -12,11 +14,12 @@ from drivers.simulated.cameras.rig import default_cameras
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from drivers.simulated.robot.robot import SimulatedRobot
 from drivers.simulated.robot.settings import SimulatedRobotSettings
-from messaging.control import Action, Reply, State
+from messaging import topics
+from messaging.control import Action, ControllerState, Reply, State
 from nodal.bench_file import read_bench
 from nodal.calibrate.base_from_robot import RobotWay
 from nodal.calibrate.base_moving import moving_robot
-from nodal.calibrate.robot_hand import Glimpse
+from nodal.calibrate.robot_hand import BenchHand, Glimpse
 from nodal.errors import CalibrationError, RobotStoppedError
 
 TURN_S, TURN_MM = 0.1, 0.25
@@ -180,3 +183,40 @@ def test_what_went_wrong_is_not_hidden_by_a_controller_that_is_silent_afterwards
     with pytest.raises(ValueError, match="first"):
         lead(hand, (0, 1.0), error=ValueError("first"))
     assert "may still be held: the controller has been silent" in capsys.readouterr().err
+
+
+class BusWithoutServos:
+    """The bus of a bench whose controller runs and has found no servos."""
+
+    def newest(self, topic):
+        state = ControllerState(
+            time_ns=1,
+            state=State.IDLE,
+            reason="started",
+            target_name="",
+            node_names=(),
+            desired_mm=np.empty((0, 3)),
+            measured_mm=np.empty((0, 3)),
+            tracking_error_mm=0.0,
+            shape_sequence=0,
+            shape_age_s=0.0,
+            lateness_s=0.0,
+            busy_s=0.0,
+            overruns=0,
+            now_s=0.0,
+            dt_s=0.005,
+            sighted_capture_ns=0,
+            sighted_age_s=0.0,
+            drive_absence="/dev/ttyUSB0 is not there",
+            commanded=False,
+        )
+        return SimpleNamespace(take=lambda: (state, None) if topic is topics.CONTROLLER_STATE else None)
+
+    def gives(self, signal):
+        return SimpleNamespace(give=lambda: None)
+
+
+def test_a_bench_without_servos_is_told_of_and_not_waited_for_without_end(monkeypatch):
+    monkeypatch.setattr("nodal.calibrate.robot_hand.DRIVE_SOUGHT_S", 0.1)
+    with pytest.raises(CalibrationError, match="servos are not heard: /dev/ttyUSB0 is not there"):
+        BenchHand(BusWithoutServos()).watch()
