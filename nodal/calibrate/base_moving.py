@@ -95,8 +95,12 @@ class Mover:
 
 @contextmanager
 def moving_robot(hand: Hand, settings: JogSettings, tendons: int) -> Iterator[Mover]:
-    """A mover; however the block is left, the tendons are let go."""
-    mover = Mover(hand, settings, tendons)
+    """A mover; however the block is left, the tendons are let go. Raises RobotStoppedError when the robot is not free to be led."""
+    mover, found = Mover(hand, settings, tendons), hand.watch()
+    if found.state not in (State.IDLE, *_LED):
+        raise RobotStoppedError(
+            f"the robot is not led: its controller is in {found.state}: {found.reason}", found.advice
+        )
     try:
         yield mover
     finally:

@@ -60,7 +60,7 @@ def _lines(outcome: Outcome) -> Iterator[str]:
 def _found(base: Base) -> Iterator[str]:
     x, y, z = base.matrix[:3, 3]
     axis_deg, roll_deg = np.degrees([base.axis_sigma_rad, base.roll_sigma_rad])
-    yield f"robot frame by the {base.way}, from {base.frame_sets} sets of pictures"
+    yield f"robot frame by the {base.way}, from {base.frame_sets} set{'s'[: base.frame_sets - 1]} of pictures"
     yield f"  origin at ({x:.2f}, {y:.2f}, {z:.2f}) mm from the first camera"
     yield (
         f"  standard deviations: origin {base.origin_sigma_mm:.3f} mm, axis {axis_deg:.3f} degrees, roll {roll_deg:.3f} degrees"

@@ -73,7 +73,7 @@ def kept(bench) -> BasesFound:
 
 def test_the_rig_says_where_the_board_is_seen(fixture_bench, at_base, places, capsys):
     assert main(["calibrate", "base", "--config", str(fixture_bench), *at_base]) == 0
-    assert "robot frame by the board, from 1 sets of pictures" in capsys.readouterr().out
+    assert "robot frame by the board, from 1 set of pictures" in capsys.readouterr().out
     assert off_px(fixture_bench, places["here"]) < 0.5
     assert kept(fixture_bench).used == "board"
     drawn = [

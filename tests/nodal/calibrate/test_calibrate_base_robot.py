@@ -154,6 +154,15 @@ def test_the_tendons_are_let_go_whatever_happens(error):
     assert hand.asked == [(Action.JOG, "1", 1.0), (Action.RELAX, "", 0.0)]
 
 
+@pytest.mark.parametrize("state", [State.TRACKING, State.HOMING, State.FAULT])
+def test_a_robot_that_somebody_else_leads_is_left_alone(state):
+    hand = VirtualHand()
+    hand.state = state
+    with pytest.raises(RobotStoppedError, match=f"its controller is in {state}"):
+        lead(hand, (0, 1.0))
+    assert hand.asked == []
+
+
 def test_long_ways_are_jogged_in_parts_and_waited_for():
     hand = VirtualHand(stage_mm=3.0)
     assert lead(hand, (TENDONS, -5.0), at_most_mm=2.0) == pytest.approx(-2.0, abs=0.03)
