@@ -9,7 +9,8 @@ REAL_STEPS = (
     ("cameras write --config {bench}", "the cameras into the bench file, by names that last"),
     ("cameras look --config {bench}", "what they see, and how well"),
     ("servos setup --config {bench}", "each servo, then `nodal servos check`"),
-    ("calibrate board --config {bench}", "the board to print, and what its ruler measures"),
+    ("calibrate board --config {bench} --out board.pdf", "the board to print"),
+    ("calibrate board --config {bench} --measured MM", "how long its ruler came out"),
 )
 SIMULATED_STEPS = (("cameras look --config {bench}", "what the cameras see, and how well"),)
 STEPS = (
@@ -54,5 +55,5 @@ def run(arguments: argparse.Namespace) -> int:
         f"{bench}: a {'simulated bench' if arguments.simulated else 'bench'} that is not calibrated yet. Next:"
     )
     for step, meaning in (*SIMULATED_STEPS, *STEPS) if arguments.simulated else (*REAL_STEPS, *STEPS):
-        print(f"  nodal {step.format(bench=bench):<50} {meaning}" if meaning else f"  {step}")
+        print(f"  nodal {step.format(bench=bench):<60} {meaning}" if meaning else f"  {step}")
     return 0

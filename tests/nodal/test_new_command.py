@@ -34,6 +34,7 @@ def test_a_real_bench_says_what_to_fill_in_and_agrees_with_itself(new):
     steps = said.out.splitlines()[1:]
     assert [step.split()[2] for step in steps if "calibrate" in step] == [
         "board",
+        "board",
         "cameras",
         "base",
         "background",
