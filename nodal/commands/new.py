@@ -1,6 +1,7 @@
 """`nodal new`: the folder of a bench to begin with."""
 
 import argparse
+import shlex
 from pathlib import Path
 
 REAL_STEPS = (
@@ -55,5 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         f"{bench}: a {'simulated bench' if arguments.simulated else 'bench'} that is not calibrated yet. Next:"
     )
     for step, meaning in (*SIMULATED_STEPS, *STEPS) if arguments.simulated else (*REAL_STEPS, *STEPS):
-        print(f"  nodal {step.format(bench=bench):<60} {meaning}" if meaning else f"  {step}")
+        print(
+            f"  nodal {step.format(bench=shlex.quote(str(bench))):<60} {meaning}" if meaning else f"  {step}"
+        )
     return 0

@@ -1,10 +1,14 @@
 """`nodal new`: benches to begin with, real and simulated."""
 
+import re
+import shlex
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from drivers.simulated.cameras.rig import default_cameras
-from nodal.__main__ import main
+from nodal.__main__ import _parser, main
 from nodal.bench_file import read_bench
 from nodal.calibration_file import load_rig
 from nodal.new.writing import MARK
@@ -40,6 +44,18 @@ def test_a_real_bench_says_what_to_fill_in_and_agrees_with_itself(new):
         "background",
         "robot",
     ]
+
+
+@pytest.mark.parametrize("words", [(), ("--simulated",)], ids=("real", "simulated"))
+def test_what_comes_next_can_be_typed_as_it_is_printed(new, words):
+    _, folder, said = new(*words)
+    steps = [line.strip() for line in said.out.splitlines()[1:] if line.startswith("  nodal ")]
+    assert len(steps) >= 5
+    for step in steps:
+        command, _ = re.split(r" {2,}", step)
+        typed = shlex.split(command.replace(" MM", " 99.5"))[1:]
+        config = getattr(_parser(typed).parse_args(typed), "config", folder / "bench.toml")
+        assert Path(config or folder / "bench.toml") == folder / "bench.toml"
 
 
 def test_the_fixture_of_a_real_bench_only_needs_its_comment_signs_removed(new):
