@@ -86,7 +86,7 @@ def _taken(arguments: argparse.Namespace, bench: BenchFile, board: Board, kept: 
 
 def _calibrated(taking: Taking, board: Board) -> Calibration:
     if taking.coverage is None or not taking.views:
-        reasons = "; ".join(f"{count} times: {reason}" for reason, count in taking.refused.most_common(5))
+        reasons = "; ".join(f"{reason} ({count})" for reason, count in taking.refused.most_common(5))
         raise CalibrationError(
             f"no view of the board was taken. {reasons or 'There was no frame of all cameras'}"
         )

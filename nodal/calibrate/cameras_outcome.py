@@ -77,7 +77,7 @@ def _left_out(outcome: Outcome) -> Iterator[str]:
     if outcome.refused:
         yield ""
         for reason, count in outcome.refused.most_common(MOST_REASONS):
-            yield f"not taken, {count} times: {reason}"
+            yield f"not taken ({count}): {reason}"
 
 
 def _next(outcome: Outcome) -> Iterator[str]:

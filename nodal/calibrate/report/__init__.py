@@ -6,6 +6,7 @@ SECTIONS = (
     "space",
     "base",
     "background",
+    "robot",
     "coverage",
     "residuals",
     "distortion",

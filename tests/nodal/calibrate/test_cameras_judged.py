@@ -8,8 +8,13 @@ import pytest
 
 from calibration.base import Base, BasesFound
 from calibration.camera_set import BoardCheck
+from controller.identified import IdentifiedSettings
 from nodal.__main__ import main
+from nodal.calibrate.background_judging import CameraBackground
+from nodal.calibrate.background_keeping import FILE, BackgroundFound
 from nodal.calibrate.cameras_verdict import Grade, judgements, overall
+from nodal.calibrate.robot_calibrating import ROBOT
+from nodal.calibrate.robot_results import AxisFound, Foreseen, NodeForeseen, RobotFound
 from nodal.calibration.folder import cameras_in
 from nodal.calibration_file import save_rig
 
@@ -92,6 +97,71 @@ def test_the_robot_frame_is_shown_as_long_as_it_is_of_these_cameras(calibrated_b
     (folder / "base.json").write_bytes(msgspec.json.encode(BasesFound(used="board", board=stale)))
     assert main(report) == 0
     assert "it must be found again" in page.read_text()
+
+
+def test_what_later_steps_found_is_shown(calibrated_bench):
+    folder, page = calibrated_bench.parent / "calibration", calibrated_bench.parent / "page.html"
+    axis = AxisFound(
+        axis=1,
+        name="proximal x",
+        gain=0.913,
+        gain_sigma=0.012,
+        bends_others=(1.0, 0.1),
+        bends_others_drawn=(1.0, 0.0),
+        lost_motion_mm=0.31,
+        lost_motion_sigma_mm=0.02,
+        current_at_rest_ma=40.0,
+        current_between_ways_ma=None,
+    )
+    identified = IdentifiedSettings(
+        date="today",
+        gain=((0.0,),),
+        gain_sigma=((0.1,),),
+        bias_rad=(0.0,),
+        bias_sigma_rad=(0.1,),
+        lost_motion_mm=(0.3,),
+        lost_motion_sigma_mm=(0.1,),
+    )
+    tip = NodeForeseen(name="tip", arc_mm=80.0, before_mm=6.5, after_mm=0.7)
+    robot = RobotFound(
+        date="today",
+        seconds=60.0,
+        length_mm=80.0,
+        poses=30,
+        refused=0,
+        reversed=("distal y",),
+        axes=(axis,),
+        fit_rms_mm=0.4,
+        held_out=Foreseen(poses=6, before_mm=5.0, after_mm=0.6, nodes=(tip,)),
+        identified=identified,
+    )
+    seen = CameraBackground(
+        camera="left",
+        pictures=30,
+        level=(60.0, 141.0, 78.0),
+        noise=(1.0, 1.0, 1.0),
+        tile_noise=0.6,
+        noisiest=1.0,
+        noisiest_px=(1, 1),
+        flicker=0.001,
+        unevenness=0.18,
+        clipped_share=0.0,
+        spots=(),
+        ends_in_reach=False,
+        work_area=None,
+    )
+    scene = BackgroundFound(made_at="today", insertion_mm=3.0, insertion_known=True, cameras=(seen,))
+    (folder / ROBOT).write_bytes(msgspec.json.encode(robot))
+    (folder / FILE).write_bytes(msgspec.json.encode(scene))
+    assert main(["calibration", "report", "--config", str(calibrated_bench), "--out", str(page)]) == 0
+    text = page.read_text()
+    assert "Signs that were corrected: distal y." in text
+    assert "0.913 ± 0.012" in text
+    assert "0.700\u202fmm" in text
+    assert "with the stage at 3.0 mm" in text
+    assert "60, 141, 78" in text
+    (folder / ROBOT).write_text("{}")
+    assert main(["calibration", "report", "--config", str(calibrated_bench)]) == 2
 
 
 def test_without_cameras_there_is_no_report(bench, capsys):
