@@ -1,6 +1,7 @@
 """Where calibration keeps what it finds: the folder of the bench file's calibration, and the files in it."""
 
 import shutil
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -30,7 +31,10 @@ def own_bench(config: str | Path) -> BenchFile:
         make_folder(folder / "calibration", "runs")
         shutil.copy(bench.settings.calibration, folder / "calibration" / "rig.json")
         copy.write_text(_own_copy(bench, {"calibration": "calibration/rig.json"}), encoding="utf-8")
-        print(f"{bench.path.name} comes with nodal and stays as it is; calibration works on its copy {copy}")
+        print(
+            f"{bench.path.name} comes with nodal and stays as it is; calibration works on its copy {copy}",
+            file=sys.stderr,
+        )
     return read_bench(copy)
 
 
