@@ -4,8 +4,10 @@ import argparse
 import shlex
 from pathlib import Path
 
-REAL_STEPS = (
-    ("fill in the lines marked FILL IN", ""),
+Steps = tuple[tuple[str, str], ...]
+"""Commands, each with what it is for."""
+
+REAL_STEPS: Steps = (
     ("cameras list", "what is plugged in"),
     ("cameras write --config {bench}", "the cameras into the bench file, by names that last"),
     ("cameras look --config {bench}", "what they see, and how well"),
@@ -13,8 +15,8 @@ REAL_STEPS = (
     ("calibrate board --config {bench} --out board.pdf", "the board to print"),
     ("calibrate board --config {bench} --measured MM", "how long its ruler came out"),
 )
-SIMULATED_STEPS = (("cameras look --config {bench}", "what the cameras see, and how well"),)
-STEPS = (
+SIMULATED_STEPS: Steps = (("cameras look --config {bench}", "what the cameras see, and how well"),)
+STEPS: Steps = (
     ("calibrate cameras --config {bench}", "lenses, and where the cameras stand to one another"),
     ("calibrate base --config {bench}", "where the robot stands before them"),
     ("calibrate background --config {bench}", "what they see without the robot"),
@@ -51,12 +53,17 @@ def run(arguments: argparse.Namespace) -> int:
     seed = 1 if arguments.seed is None else arguments.seed
     if seed < 0:
         raise CommandError(f"--seed {seed}: it must be 0 or more")
-    bench = write_simulated(arguments.folder, seed) if arguments.simulated else write_real(arguments.folder)
-    print(
-        f"{bench}: a {'simulated bench' if arguments.simulated else 'bench'} that is not calibrated yet. Next:"
-    )
-    for step, meaning in (*SIMULATED_STEPS, *STEPS) if arguments.simulated else (*REAL_STEPS, *STEPS):
-        print(
-            f"  nodal {step.format(bench=shlex.quote(str(bench))):<60} {meaning}" if meaning else f"  {step}"
+    if arguments.simulated:
+        bench, first, steps = write_simulated(arguments.folder, seed), "Next:", SIMULATED_STEPS
+    else:
+        bench, first, steps = (
+            write_real(arguments.folder),
+            "Fill in the lines marked FILL IN; next:",
+            REAL_STEPS,
         )
+    print(f"{bench}: a bench that is not calibrated yet. {first}")
+    commands = [f"nodal {command.format(bench=shlex.quote(str(bench)))}" for command, _ in (*steps, *STEPS)]
+    width = max(map(len, commands))
+    for command, (_, meaning) in zip(commands, (*steps, *STEPS), strict=True):
+        print(f"  {command:<{width}}  {meaning}")
     return 0
