@@ -103,6 +103,7 @@ def test_what_later_steps_found_is_shown(calibrated_bench):
     folder, page = calibrated_bench.parent / "calibration", calibrated_bench.parent / "page.html"
     axis = AxisFound(
         axis=1,
+        section=1,
         name="proximal x",
         gain=0.913,
         gain_sigma=0.012,
