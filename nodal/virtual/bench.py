@@ -8,7 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.cycle import Inputs, LoopState, Outputs, Request
+from controller.cycle import Inputs, LoopState, Outputs, Request, Sighting
 from controller.drive import Drive
 from controller.loop import Loop
 from controller.pace import MOST_PERIODS
@@ -68,6 +68,8 @@ class VirtualBench:
         self._cycle = 0
         self._missed = 0
         self._reason = ""
+        self.sighted: Sighting | None = None
+        """The shape that arrived last, whether it was trusted or not."""
         self._asked: tuple[Request, ...] = ()
         self._replies: tuple[Reply, ...] = ()
 
@@ -141,7 +143,7 @@ class VirtualBench:
         inputs = Inputs(
             now_s=now_s,
             dt_s=min(self._missed + 1, MOST_PERIODS) * self._period_s,
-            sighting=self.seeing.arrived(now_s),
+            sighting=self._looked(now_s),
             drive=drive,
             absence=self._drive.absence,
             absence_fault=self._drive.absence_fault,
@@ -153,6 +155,11 @@ class VirtualBench:
         self._replies += outputs.replies
         self._reason = outputs.reason
         return outputs.command_mm
+
+    def _looked(self, now_s: float) -> Sighting | None:
+        sighting = self.seeing.arrived(now_s)
+        self.sighted = sighting or self.sighted
+        return sighting
 
     def _sample(self) -> Samples:
         servos, names = self.plant.servos, self.seeing.settings.node_names

@@ -26,10 +26,10 @@ class VirtualHand:
         """See `Hand`."""
         bench = self.bench
         bench.run(_LOOK_S)
-        state, drive, seen = bench.state, bench.actuators.read(), bench.state.seen
-        fresh = seen if seen is not None and seen.shape.sequence != self._last else None
+        state, drive, seen = bench.state, bench.actuators.read(), bench.sighted
+        fresh = None if seen is None or seen.shape.sequence == self._last else seen.shape
         if fresh is not None:
-            self._last = fresh.shape.sequence
+            self._last = fresh.sequence
         told = state.supervision.told
         return Glimpse(
             now_s=bench.now_s,
@@ -39,6 +39,6 @@ class VirtualHand:
             command_mm=state.command_mm if state.mode.torque else np.full(bench.plant.axes, np.nan),
             position_mm=drive.position_mm,
             current_ma=drive.current_ma,
-            shape=None if fresh is None else fresh.shape,
-            captured_s=0.0 if fresh is None else fresh.capture_s,
+            shape=fresh,
+            captured_s=0.0 if fresh is None else fresh.capture_time_ns / 1e9,
         )
