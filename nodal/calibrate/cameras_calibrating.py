@@ -14,6 +14,7 @@ from calibration.errors import ViewsError
 from calibration.solving import Calibration, calibrate
 from drivers.cameras import FileCameraSettings, FolderCameraSettings
 from drivers.cameras.frame_sets import frame_sets
+from messaging.errors import NodalError
 from messaging.scene import Scene
 from nodal.bench_file import BenchFile
 from nodal.calibrate.cameras_outcome import Outcome
@@ -51,7 +52,7 @@ def calibrate_cameras(arguments: argparse.Namespace) -> Outcome:
         bench=bench,
         cameras=found.cameras,
         file=folder / CAMERAS,
-        report=write_report(bench),
+        report=_reported(bench),
         refused=taking.refused,
         before=before,
     )
@@ -93,6 +94,14 @@ def _calibrated(taking: Taking, board: Board) -> Calibration:
     found = calibrate(board, taking.views, taking.sizes)
     made_at = datetime.now(UTC).isoformat(timespec="seconds")
     return dataclasses.replace(found, cameras=msgspec.structs.replace(found.cameras, made_at=made_at))
+
+
+def _reported(bench: BenchFile) -> str:
+    """Where the report is; cameras are calibrated without one too, and then it says why there is none."""
+    try:
+        return str(write_report(bench))
+    except NodalError as error:
+        return f"not written: {error}"
 
 
 def _before(bench: BenchFile) -> CameraSet | None:

@@ -26,7 +26,7 @@ class Outcome:
     bench: BenchFile
     cameras: CameraSet
     file: Path
-    report: Path
+    report: str
     refused: Counter[str]
     before: CameraSet | None
 
@@ -66,7 +66,7 @@ def as_builtins(outcome: Outcome) -> dict[str, Any]:
         "not_taken": dict(outcome.refused),
         "moved": msgspec.to_builtins(list(moved(outcome.before, cameras))),
         "file": str(outcome.file),
-        "report": str(outcome.report),
+        "report": outcome.report,
     }
 
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from calibration.camera_set import CameraSet
+from messaging.errors import NodalError
 from nodal.__main__ import main
+from nodal.calibrate import cameras_calibrating
 from nodal.calibrate.cameras_taking import Taking
 from nodal.calibrate.kept_views import kept_pictures, kept_views
 from nodal.calibration.folder import cameras_in
@@ -110,8 +112,15 @@ def test_every_camera_needs_pictures(bench, shots, capsys):
     assert calibrated(bench, shots, "--views", "0") == 2
 
 
-def test_an_interrupt_goes_on_with_the_views_that_there_are(bench, shots, capsys, monkeypatch):
+def test_an_interrupt_goes_on_with_the_views_that_there_are_and_needs_no_pictures(
+    bench, shots, capsys, monkeypatch
+):
     look = Taking.look
+
+    def without_matplotlib(bench):
+        raise NodalError("pictures need matplotlib")
+
+    monkeypatch.setattr(cameras_calibrating, "write_report", without_matplotlib)
 
     def interrupted(self, frame_set):
         if len(self.views) == 8:
@@ -120,7 +129,9 @@ def test_an_interrupt_goes_on_with_the_views_that_there_are(bench, shots, capsys
 
     monkeypatch.setattr(Taking, "look", interrupted)
     assert calibrated(bench, shots) == 0
-    assert "going on with the views that there are" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "going on with the views that there are" in told.err
+    assert "report:  not written: pictures need matplotlib" in told.out
     assert cameras_in(bench.parent / "calibration" / "cameras.json").views_used == 8
 
 
