@@ -6,12 +6,12 @@ import msgspec
 import numpy as np
 
 from calibration.base import Array, Base, Matrix4, Matrix6
-from calibration.bundle import Observation, Rig
 from calibration.camera_set import CalibratedCamera, CameraSet
 from calibration.corners import Corners
 from calibration.errors import ViewsError
 from calibration.posing import board_pose, off_px
 from calibration.projection import INTRINSICS, POSE, by_pose, project, transformed
+from calibration.rig import Observation, Rig
 
 LEAST_CORNERS = 8
 """Of each camera: fewer lie in one corner of the board, and tell little about where the others are."""

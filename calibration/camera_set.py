@@ -87,6 +87,8 @@ class CameraSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     views_rejected: dict[str, str] = {}
     """Why, by the name of the view."""
     board_check: BoardCheck | None = None
+    board_shape: dict[str, float] = {}
+    """How the board differs from a flat and true one, in mm at its outermost corners (calibration/rig.py: SHAPE)."""
 
     @classmethod
     def of_rig(cls, rig: Sequence[CameraCalibration]) -> "CameraSet":

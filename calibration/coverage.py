@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.board import Board
-from calibration.bundle import Observation
 from calibration.outlines import ALIKE, Outlines, apart, outlines
 from calibration.picking import SHARP_QUANTILE, too_blurred
+from calibration.rig import Observation
 from calibration.starting import pose_alone
 from calibration.views import Size, View
 

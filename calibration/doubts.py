@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from calibration.bundle import PER_CAMERA, Adjusted
+from calibration.bundle import Adjusted
 from calibration.corners import Array
+from calibration.equations import PER_CAMERA
 from calibration.errors import ViewsError
 from calibration.views import Size
 
@@ -19,15 +20,16 @@ MOST_NOISE_PX = 2.0
 SOLIDLY_TILTED = "tilt the board by 30 to 45 degrees to the left, right, top and bottom, and show it in every corner of the picture"
 
 
-def standard_deviations(covariance: Array) -> Array:
+def standard_deviations(solved: Adjusted) -> Array:
     """(c, 15) of all cameras' unknowns."""
-    return np.sqrt(np.diag(covariance)).reshape(-1, PER_CAMERA)
+    cameras = PER_CAMERA * len(solved.rig.intrinsics)
+    return np.sqrt(np.diag(solved.covariance)[:cameras]).reshape(-1, PER_CAMERA)
 
 
 def check(names: Sequence[str], sizes: Mapping[str, Size], solved: Adjusted) -> None:
     """Raises ViewsError for the first camera that is not determined, or is no camera."""
     distance_mm = float(np.median(np.linalg.norm(solved.rig.rig_from_board[:, :3, 3], axis=1)))
-    sigmas = standard_deviations(solved.covariance)
+    sigmas = standard_deviations(solved)
     for name, intrinsics, sigma, noise_px in zip(
         names, solved.rig.intrinsics, sigmas, solved.noise_px, strict=True
     ):

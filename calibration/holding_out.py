@@ -7,10 +7,11 @@ from functools import reduce
 import numpy as np
 
 from calibration.board import Board
-from calibration.bundle import Adjusted, Observation, Prior, Rig, adjust
+from calibration.bundle import Adjusted, adjust
 from calibration.camera_set import BoardCheck
 from calibration.corners import Array
 from calibration.posing import board_pose, off_px, triangulated
+from calibration.rig import Observation, Prior, Rig
 
 FOLDS = 5
 FEWEST_TO_HOLD_OUT = 3

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibration.bundle import Observation, Rig
 from calibration.corners import Array
 from calibration.projection import by_pose, moved, project, transformed, undistorted
+from calibration.rig import Observation, Rig
 from calibration.starting import pose_alone
 
 MOST_STEPS, SETTLED = 20, 1e-9
@@ -21,10 +21,11 @@ def board_pose(rig: Rig, observations: Sequence[Observation]) -> Array:
         residuals, jacobians = [], []
         for one in observations:
             camera_from_rig = rig.camera_from_rig[one.camera]
-            points_mm = transformed(camera_from_rig @ pose, one.points_mm)
-            px, by_point, _ = project(rig.intrinsics[one.camera], points_mm)
+            points_mm = rig.points_mm(one)
+            at_camera_mm = transformed(camera_from_rig @ pose, points_mm)
+            px, by_point, _ = project(rig.intrinsics[one.camera], at_camera_mm)
             residuals.append((one.px - px).ravel())
-            by_step = by_point @ camera_from_rig[:3, :3] @ by_pose(pose, one.points_mm)
+            by_step = by_point @ camera_from_rig[:3, :3] @ by_pose(pose, points_mm)
             jacobians.append(by_step.reshape(-1, 6))
         step = np.linalg.lstsq(np.concatenate(jacobians), np.concatenate(residuals), rcond=None)[0]
         pose = moved(pose, step)
@@ -35,7 +36,7 @@ def board_pose(rig: Rig, observations: Sequence[Observation]) -> Array:
 
 def off_px(rig: Rig, rig_from_board: Array, seen: Observation) -> Array:
     """Found minus predicted (n, 2) for the board at `rig_from_board`."""
-    points_mm = transformed(rig.camera_from_rig[seen.camera] @ rig_from_board, seen.points_mm)
+    points_mm = transformed(rig.camera_from_rig[seen.camera] @ rig_from_board, rig.points_mm(seen))
     return np.asarray(seen.px - project(rig.intrinsics[seen.camera], points_mm)[0])
 
 

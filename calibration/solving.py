@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from calibration.board import Board
-from calibration.bundle import PER_CAMERA, Adjusted, Observation, Prior, adjust
+from calibration.bundle import Adjusted, adjust
 from calibration.camera_set import CalibratedCamera, CameraSet
 from calibration.corners import Array, Corners
 from calibration.doubts import check, standard_deviations
@@ -15,13 +15,17 @@ from calibration.errors import ViewsError
 from calibration.holding_out import HeldOut, hold_out
 from calibration.picking import FEWEST_VIEWS, pick
 from calibration.projection import INTRINSICS, POSE, matrix
+from calibration.rig import SHAPE, BoardShape, Observation, Prior
 from calibration.starting import starting_rig
 from calibration.views import Size, View
 from calibration.weeding import weed
 
-PRIOR = Prior(np.zeros(9), np.array([np.inf, np.inf, np.inf, np.inf, 0.5, 0.5, 0.005, 0.005, 0.25]))
+LENSES = np.array([np.inf, np.inf, np.inf, np.inf, 0.5, 0.5, 0.005, 0.005, 0.25])
 """Lenses distort by no more than this, more or less. Views all over the picture say it a hundred times better; where views
 lie in its middle only, this keeps terms that nothing determines from growing wild (docs/calibration.md)."""
+PRINTS_MM = np.array([0.5, 0.5, 0.5, 0.1, 0.1])
+"""Boards are bent by no more than this, more or less, and printed true to it."""
+RIGID, PRIOR = Prior(LENSES), Prior(LENSES, PRINTS_MM)
 WEEDINGS = 4
 NAMES = (*INTRINSICS, *POSE)
 
@@ -46,7 +50,7 @@ class Calibration:
     """The cameras, and all that a report says about them.
 
     `rig_from_board` are the board's poses (4, 4), mm, by view. `parameters` name the rows and columns of `covariance`:
-    "CAMERA.NAME" with the names of `CalibratedCamera.sigma`. Rejected views are in `cameras.views_rejected`.
+    "CAMERA.NAME" with the names of `CalibratedCamera.sigma`, and "board.NAME" with those of `CameraSet.board_shape`. Rejected views are in `cameras.views_rejected`.
     """
 
     cameras: CameraSet
@@ -67,7 +71,9 @@ def calibrate(board: Board, views: Sequence[View], sizes: Mapping[str, Size]) ->
     found = {view.name: view for view in picked.views}
     shown = list(found)
     observations = _observations(board, names, picked.views)
-    rig, rejected = starting_rig(names, sizes, observations, PRIOR), dict(picked.rejected)
+    rejected = dict(picked.rejected)
+    rigid = starting_rig(names, sizes, observations, RIGID)
+    rig = replace(rigid, board=BoardShape.of(board.points_mm))
     for _ in range(WEEDINGS):
         solved = adjust(rig, observations, PRIOR)
         weeded = weed(names, solved, observations)
@@ -94,15 +100,20 @@ def calibrate(board: Board, views: Sequence[View], sizes: Mapping[str, Size]) ->
         views_used=len(shown),
         views_rejected=rejected,
         board_check=held_out.squares,
+        board_shape=dict(zip(SHAPE, map(float, solved.rig.board.mm), strict=True)),
     )
     free = np.flatnonzero(np.diag(solved.covariance))
     return Calibration(
         cameras=cameras,
         sightings=sightings,
         rig_from_board=dict(zip(shown, solved.rig.rig_from_board, strict=True)),
-        parameters=tuple(f"{names[one // PER_CAMERA]}.{NAMES[one % PER_CAMERA]}" for one in free),
+        parameters=tuple(_parameters(names)[one] for one in free),
         covariance=solved.covariance[np.ix_(free, free)],
     )
+
+
+def _parameters(names: Sequence[str]) -> list[str]:
+    return [*(f"{camera}.{name}" for camera in names for name in NAMES), *(f"board.{name}" for name in SHAPE)]
 
 
 def _corners(one: Observation) -> int:
@@ -146,7 +157,7 @@ def _camera(
 ) -> CalibratedCamera:
     own = [one for one in sightings if one.camera == names[number]]
     intrinsics, held_out_px = solved.rig.intrinsics[number], float(held_out.rms_px[number])
-    sigma = dict(zip(NAMES, map(float, standard_deviations(solved.covariance)[number]), strict=True))
+    sigma = dict(zip(NAMES, map(float, standard_deviations(solved)[number]), strict=True))
     width, height = sizes[names[number]]
     known = {
         "name": names[number],

@@ -6,10 +6,11 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from calibration.bundle import Observation, Prior, Rig, adjust
+from calibration.bundle import adjust
 from calibration.corners import Array
 from calibration.errors import ViewsError
 from calibration.projection import matrix, project, transformed
+from calibration.rig import Observation, Prior, Rig
 from calibration.views import Size
 
 FOCAL_LENGTHS = np.geomspace(0.35, 5.0, 24)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.bundle import Adjusted, Observation
+from calibration.bundle import Adjusted
+from calibration.rig import Observation
 
 CORNER_SIGMAS = 6.0
 MOST_LOST = 0.3
