@@ -53,6 +53,8 @@ def camera_lines(found: CameraSet, true: Sequence[CameraCalibration]) -> Iterato
         )
     within = np.mean(np.abs(z_scores) < Z_LIMIT)
     yield f"truth within 95 % bounds: {100 * within:.0f} % of {len(z_scores)} parameters, RMS z {_rms(np.array(z_scores)):.2f}"
+    shape = ", ".join(f"{name.removesuffix('_mm')} {1e3 * mm:+.2f}" for name, mm in found.board_shape.items())
+    yield f"the board's shape, um: {shape}"
     if found.board_check is not None:
         check = found.board_check
         yield (

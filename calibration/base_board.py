@@ -11,7 +11,7 @@ from calibration.corners import Corners
 from calibration.errors import ViewsError
 from calibration.posing import board_pose, off_px
 from calibration.projection import INTRINSICS, POSE, by_pose, project, transformed
-from calibration.rig import Observation, Rig
+from calibration.rig import BoardShape, Observation, Rig
 
 LEAST_CORNERS = 8
 """Of each camera: fewer lie in one corner of the board, and tell little about where the others are."""
@@ -30,7 +30,7 @@ def base_from_board(
     The covariance is that of the corners and, where the cameras' parameters have standard deviations, of those; they are
     taken as independent, which makes it larger than it is. Raises ViewsError when a camera does not see the board.
     """
-    rig = _rig(cameras)
+    rig = _rig(cameras, points_mm)
     seen = [_averaged(number, camera.name, sets, points_mm) for number, camera in enumerate(cameras.cameras)]
     rig_from_board = board_pose(rig, seen)
     rig_from_robot = rig_from_board @ np.linalg.inv(robot_from_board)
@@ -50,11 +50,12 @@ def base_from_board(
     )
 
 
-def _rig(cameras: CameraSet) -> Rig:
+def _rig(cameras: CameraSet, points_mm: Array) -> Rig:
     return Rig(
         intrinsics=np.array([_intrinsics(camera) for camera in cameras.cameras]),
         camera_from_rig=np.array([camera.camera_from_rig for camera in cameras.cameras]),
         rig_from_board=np.empty((0, 4, 4)),
+        board=BoardShape.of(points_mm, cameras.board_shape),
     )
 
 

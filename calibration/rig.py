@@ -1,6 +1,8 @@
 """What bundle adjustment solves for, and what it knows: cameras, poses of the board, the board's own shape, corners in pictures."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +22,8 @@ class BoardShape:
     modes: Array = field(default_factory=lambda: np.zeros((0, 3, 0)))
 
     @classmethod
-    def of(cls, points_mm: Array) -> "BoardShape":
-        """Any shape that SHAPE names, so far flat, of a board with corners at `points_mm` (n, 3).
+    def of(cls, points_mm: Array, known_mm: Mapping[str, float] = MappingProxyType({})) -> "BoardShape":
+        """Any shape that SHAPE names of a board with corners at `points_mm` (n, 3); flat and true but for what is known.
 
         Each of its mm is reached at the outermost corners.
         """
@@ -33,7 +35,7 @@ class BoardShape:
         modes[:, 2, 2] = across * down
         modes[:, 0, 3], modes[:, 1, 3] = even[:, 0], -even[:, 1]
         modes[:, 0, 4], modes[:, 1, 4] = even[:, 1], even[:, 0]
-        return cls(np.zeros(len(SHAPE)), modes)
+        return cls(np.array([known_mm.get(name, 0.0) for name in SHAPE]), modes)
 
     def moved(self, step_mm: Array) -> "BoardShape":
         """The same, changed."""

@@ -1,9 +1,11 @@
 """Known cameras, boards at random poses, noisy corners: what is found, how well it knows itself, what is refused."""
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
+from calibration.base_board import base_from_board
 from calibration.corners import Corners
 from calibration.errors import ViewsError
 from calibration.solving import calibrate
@@ -204,12 +206,21 @@ def test_a_board_that_is_bent_and_printed_askew_is_found_as_it_is_and_harms_noth
     bench.board.points_mm[:, 0] += 0.05 * across
     bench.board.points_mm[:, 1] -= 0.05 * down
     views = bench.views(16)
+    (at_base,) = bench.poses(1)
+    seen = bench.view("at the base", at_base, noise_px=0.01).corners
     bench.board.points_mm[:] = flat_mm
     found = calibrate(bench.board, views, bench.sizes).cameras
     assert found.board_shape["bend_x_mm"] == pytest.approx(0.4, abs=0.01)
     assert found.board_shape["stretch_mm"] == pytest.approx(0.05, abs=0.01)
     assert abs(found.board_shape["bend_y_mm"]) < 0.01
     assert found.board_check.flatness_mm > 0.08
+    bases = [
+        np.array(base_from_board(cameras, [seen], flat_mm, np.eye(4)).rig_from_robot)
+        for cameras in (found, msgspec.structs.replace(found, board_shape={}))
+    ]
+    as_it_is, as_if_flat = (np.linalg.norm(base[:3, :3] - at_base[:3, :3]) for base in bases)
+    assert as_it_is < 2e-3
+    assert as_if_flat > 1.3 * as_it_is
     for camera in found.cameras:
         assert camera.rms_px == pytest.approx(NOISE_PX, rel=0.15)
         assert np.abs(sigmas_off(camera, bench.cameras[camera.name])).max() < 4
