@@ -72,6 +72,7 @@ class Board:
                 f"another layout: the corners do not lie as on a board of {columns} x {rows} squares"
             )
         fitted = refine(grey, px, sides_px, ARM_SIDES, self._finder.clear)
-        if np.count_nonzero(fitted.sound) < FEWEST_CORNERS:
+        left = np.flatnonzero(fitted.sound)
+        if len(left) < FEWEST_CORNERS or homography(flat[left], fitted.px[left]) is None:
             return Missing("too blurred or too dark: corners show hardly any contrast")
         return Corners(ids, fitted.px, fitted.blur_px).only(fitted.sound)

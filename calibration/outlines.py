@@ -34,6 +34,6 @@ def apart(one: Outlines, other: Outlines) -> float:
     """How differently two views look, in widths of the picture, in the camera that sees most of it; infinite if not the same
     cameras see them.
     """
-    if one.keys() != other.keys():
+    if one.keys() != other.keys() or not one:
         return float("inf")
     return max(float(np.sqrt(np.mean(np.sum((one[camera] - other[camera]) ** 2, axis=1)))) for camera in one)

@@ -33,6 +33,7 @@ def pick(board: Board, views: Sequence[View], sizes: Mapping[str, Size], most: i
 
     Raises ViewsError for pictures of another size than `sizes` says, and for cameras that saw the board hardly or never.
     """
+    views = [view.seen_by(sizes) for view in views]
     _check_sizes(views, sizes)
     rejected: dict[str, str] = {}
     good: list[View] = []

@@ -1,6 +1,6 @@
 """The board as all cameras saw it at one moment."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +20,15 @@ class View:
     corners: Mapping[str, Corners]
     missing: Mapping[str, str] = field(default_factory=dict)
     sizes: Mapping[str, Size] = field(default_factory=dict)
+
+    def seen_by(self, cameras: Collection[str]) -> "View":
+        """What these cameras saw."""
+        return View(
+            self.name,
+            {camera: corners for camera, corners in self.corners.items() if camera in cameras},
+            {camera: reason for camera, reason in self.missing.items() if camera in cameras},
+            {camera: size for camera, size in self.sizes.items() if camera in cameras},
+        )
 
     @property
     def blur_px(self) -> dict[str, float]:

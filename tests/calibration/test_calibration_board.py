@@ -66,7 +66,7 @@ def test_the_blur_of_a_picture_is_measured(small_camera, render, held):
     assert blurred == pytest.approx(1.5, abs=0.25)
 
 
-@pytest.mark.parametrize("quarter_turns", range(4))
+@pytest.mark.parametrize("quarter_turns", [0, 1, 2])
 def test_a_chessboard_is_numbered_from_the_same_corner_however_it_is_turned(
     small_camera, render, held, quarter_turns
 ):

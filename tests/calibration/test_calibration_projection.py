@@ -17,14 +17,14 @@ POINTS = st.lists(
 STEPS = st.tuples(*[st.floats(-0.5, 0.5)] * 3, *[st.floats(-20, 20)] * 3).map(np.array)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(INTRINSICS, POINTS)
 def test_pixels_are_those_of_opencv(intrinsics, points_mm):
     exact, _ = cv2.projectPoints(points_mm, np.zeros(3), np.zeros(3), matrix(intrinsics), intrinsics[4:])
     np.testing.assert_allclose(project(intrinsics, points_mm)[0], exact.reshape(-1, 2), rtol=1e-12)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(INTRINSICS, POINTS)
 def test_derivatives_are_differences(intrinsics, points_mm):
     _, by_point, by_intrinsics = project(intrinsics, points_mm)
@@ -36,7 +36,7 @@ def test_derivatives_are_differences(intrinsics, points_mm):
         np.testing.assert_allclose(by_intrinsics[..., axis], (ahead - behind) / 2e-5, atol=1e-5, rtol=1e-5)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(STEPS, POINTS)
 def test_a_pose_moves_as_its_derivatives_say(start, points_mm):
     pose = moved(np.eye(4), start)
