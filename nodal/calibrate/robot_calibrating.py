@@ -121,6 +121,7 @@ def _turn_signs(bench: BenchFile, wiring: Wiring, progress: Progress) -> tuple[s
     changes = {axis: {"mm_per_rad": -tendons[axis].mm_per_rad} for axis in wiring.reversed}
     edit_bench_file(bench.path, {"servos": {"tendons": changes}})
     names = tuple(tendons[axis].name for axis in wiring.reversed)
+    progress.tell("starting the controller anew")
     progress.say(
         f"bends the other way: {', '.join(names)}; the sign of mm_per_rad is corrected in {bench.path}"
     )

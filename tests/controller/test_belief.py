@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from controller.belief import Axes, BeliefSettings, Learning
+from controller.errors import ControllerSetupError
+from controller.identified import IdentifiedSettings
 from controller.kinematics import Kinematics
 from controller.law import Measurement
 from controller.lost_motion import engaged_after
@@ -156,3 +158,66 @@ def test_believed_points_move_as_the_believed_jacobian_says():
     for axis, unit in enumerate(np.eye(5) * 1e-6):
         ahead, behind = (learning.nodes(belief, felt + way * unit, ARC)[0] for way in (1, -1))
         np.testing.assert_allclose(jacobian[..., axis], (ahead - behind) / 2e-6, atol=1e-5)
+
+
+def identified_settings(**changes):
+    values = {
+        "date": "today",
+        "gain": tuple(tuple(0.1 * (row == column) for column in range(4)) for row in range(4)),
+        "gain_sigma": ((0.02,) * 4,) * 4,
+        "bias_rad": (0.01, 0.02, 0.03, 0.04),
+        "bias_sigma_rad": (0.02,) * 4,
+        "lost_motion_mm": (0.4, 0.5, 0.6, 0.7),
+        "lost_motion_sigma_mm": (0.05,) * 4,
+        "stage_gain": (0.03,),
+        "stage_gain_sigma": (0.01,),
+    }
+    return IdentifiedSettings(**{**values, **changes})
+
+
+def test_what_was_identified_is_where_belief_begins_but_homing_knows_lost_motion_better():
+    learning = Learning(BeliefSettings(), KINEMATICS, identified_settings().stacked(KINEMATICS))
+    first, axes = measured(Robot().at(np.zeros(5)), 0.0), Axes(position_mm=np.zeros(5), engaged=np.zeros(5))
+    found = np.array([np.nan, 0.2, np.nan, np.nan, np.nan])
+    belief = learning.begin(first, axes, found)
+    np.testing.assert_array_equal(belief.mean[:16].reshape(4, 4), 0.1 * np.eye(4))
+    np.testing.assert_array_equal(belief.mean[16:25], [0.01, 0.02, 0.03, 0.04, 0.03, 0.4, 0.2, 0.6, 0.7])
+    np.testing.assert_array_equal(belief.nominal[:25], belief.mean[:25])
+    sigma = np.sqrt(np.diag(belief.covariance))[:25]
+    np.testing.assert_allclose(sigma, [0.02] * 16 + [0.02] * 4 + [0.01] + [0.05] * 4)
+
+
+def test_a_law_that_knows_its_robot_is_right_from_its_first_shapes():
+    gain, settings = 0.7, BeliefSettings()
+    known = identified_settings(
+        gain=tuple(tuple((gain - 1) * (row == column) for column in range(4)) for row in range(4)),
+        bias_rad=(0.0,) * 4,
+        lost_motion_mm=(0.0,) * 4,
+        stage_gain=(0.0,),
+    )
+    learning = Learning(settings, KINEMATICS, known.stacked(KINEMATICS))
+    robot, positions = Robot(gain), path(0.5)[0]
+    start = Axes(position_mm=positions[0], engaged=np.zeros(5))
+    belief = learning.begin(measured(robot.at(positions[0]), 0.0), start, np.zeros(5))
+    ignorant = Learning(settings, KINEMATICS).begin(measured(robot.at(positions[0]), 0.0), start, np.zeros(5))
+    missed = [
+        np.linalg.norm(learning.nodes(one, positions[-1], ARC)[0] - robot.at(positions[-1]), axis=1).max()
+        for one in (belief, ignorant)
+    ]
+    assert missed[0] < 1e-6
+    assert missed[1] > 1.0
+
+
+@pytest.mark.parametrize(
+    "changes", [{"lost_motion_mm": (0.4,) * 3}, {"stage_gain": ()}, {"bias_sigma_rad": (0.02,) * 5}]
+)
+def test_what_was_identified_of_another_robot_is_refused(changes):
+    with pytest.raises(
+        ControllerSetupError, match=r"controller\.identified is of another robot: this one has 4 bends"
+    ):
+        identified_settings(**changes).stacked(KINEMATICS)
+
+
+def test_gains_must_be_square():
+    with pytest.raises(ValueError, match="gain must have 4 rows of 4 numbers"):
+        identified_settings(gain=((0.0,) * 4,) * 3)

@@ -1,6 +1,7 @@
 """A robot that is led to be identified, on a bench in virtual time: what is found, what is refused, and what is kept."""
 
 import json
+import tomllib
 
 import msgspec
 import numpy as np
@@ -10,7 +11,7 @@ from calibration.robot_plan import Reach, planned
 from controller.settings import ControllerSettings, HomingSettings, JogSettings, SectionTendons
 from drivers.dynamixel.settings import AxisSettings
 from drivers.simulated.robot.settings import SectionSettings, SimulatedRobotSettings
-from messaging.control import Action
+from messaging.control import Action, ActionRequest
 from messaging.settings import RobotSettings
 from nodal.__main__ import main
 from nodal.bench_editing import edit_bench_file
@@ -104,9 +105,10 @@ def test_a_servo_that_is_stuck_is_a_fault_with_advice(led):
 
 
 def test_a_fault_in_the_middle_of_a_move_ends_it_with_advice(led):
-    led.then = lambda: led.bench.plant.servos[0].fail(0x20) if led.bench.now_s > 101.5 else None
+    led.leader.move(0, 3.0)
+    begin_s = led.bench.now_s
+    led.then = lambda: led.bench.plant.servos[0].fail(0x20) if led.bench.now_s > begin_s + 0.3 else None
     with pytest.raises(RobotStoppedError, match="ended in fault") as told:
-        led.leader.move(0, 3.0)
         led.leader.move(0, -3.0)
     assert told.value.advice
     assert led.bench.state.mode == "fault"
@@ -148,16 +150,11 @@ def test_a_refused_move_leaves_the_robot_where_it_is(led):
 
 
 def test_who_stops_the_bench_stops_this_too(led):
-    led.then = lambda: led.bench.ask(stop()) if led.bench.now_s > 101.5 else None
+    led.leader.move(0, 5.0)
+    begin_s, stop = led.bench.now_s, ActionRequest(action=Action.STOP)
+    led.then = lambda: led.bench.ask(stop) if led.bench.now_s > begin_s + 0.3 else None
     with pytest.raises(RobotStoppedError, match="ended in idle: the operator asked to stop"):
-        led.leader.move(0, 5.0)
         led.leader.move(0, -5.0)
-
-
-def stop():
-    from messaging.control import ActionRequest  # noqa: PLC0415
-
-    return ActionRequest(action=Action.STOP)
 
 
 @pytest.fixture(scope="module")
@@ -204,8 +201,6 @@ def test_what_is_found_goes_into_the_bench_file_and_comes_out_the_same(identifie
     text = path.read_text()
     assert '{ name = "y", id = 2, mm_per_rad = -5.0 }' in text
     assert '{ name = "x", id = 1, mm_per_rad = 5.0 }, # wound oddly' in text
-    import tomllib  # noqa: PLC0415
-
     written = tomllib.loads(text)["controller"]["identified"]
     assert msgspec.convert(written, type(outcome.settings)) == outcome.settings
 
