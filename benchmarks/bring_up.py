@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bring_up_truth import camera_errors, robot_frame_error, servo_errors
+from messaging.errors import NodalError
 
 LONGEST_S = 900.0
 LAST_LINES = 25
@@ -69,6 +70,9 @@ class BringUp:
             self._judge(_demo_figures(json.loads(self._do("demo", demo))))
         except FailedError:
             return
+        except NodalError as error:
+            # it said that it was done, and left nothing that can be read
+            self.steps[-1] = dataclasses.replace(self.steps[-1], status=1, said=str(error))
 
     @property
     def succeeded(self) -> bool:
