@@ -22,7 +22,6 @@ CLEAR = 2.0
 """A pull goes on until the robot has moved so many times as far as homing waits for: then its direction is sure."""
 WORTH_SAYING_RAD = np.radians(15.0)
 SAME_TURN = 0.9
-TOWARDS_STRAIGHT_MM = 1.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
