@@ -2,8 +2,9 @@
 
 Brightness is read along normals of the predicted midline. Walking outwards from the middle, an edge lies where the
 contrast falls through half of its height; the height is then taken anew from a few pixels inside and outside of that
-place, because shading makes the tube's two sides differ. A spacer disk widens the silhouette on both sides alike and
-leaves the middle.
+place, because shading makes the tube's two sides differ. Of a side that stands out far less than the whole tube, that
+place may lie within the tube, so its edge is sought once more by its own contrast. A spacer disk widens the silhouette on
+both sides alike and leaves the middle.
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ LEAST_CONTRAST = 3.0
 """Linear brightness, out of 255, by which the robot must differ from the backdrop at an edge."""
 BLUR_PX = 2.5
 """An edge is blurred over no more than this to either side."""
+LIT = 0.7
+"""A side that stands out by a smaller share of the whole tube's contrast is looked at again, by its own."""
 NEARBY = 6
 """The local half height is met within so many samples of the first crossing."""
 
@@ -119,26 +122,50 @@ def _edge(
     Heights, steps and blurs are those of the first so many profiles, and of as many again if there are more.
     """
     height, step, blur = (np.resize(each, len(profile)) for each in (height, step, blur))
-    rows = np.arange(len(profile))
-    below = profile < (0.5 * height[:, None]).astype(np.float32)
-    first = below.argmax(axis=1)
-    last = profile.shape[1] - 1
-    reach = np.maximum((blur / step).astype(int), 1)
-    found = below[rows, first] & (first > reach) & (first < last)
-    first = np.minimum(np.maximum(first, 1), last)
-    columns = first[:, None] + np.multiply.outer(reach, [-2.0, -1.5, 1.5, 2.0]).astype(int)
-    levels = profile[rows[:, None], np.minimum(np.maximum(columns, 0), last)]
-    level = levels.sum(axis=1) / levels.shape[1]
-    # of the places nearby where the profile falls through this level, the one next to the first crossing
-    window = np.minimum(np.maximum(first[:, None] + np.arange(-NEARBY, NEARBY + 1), 0), last)
-    nearby = profile[rows[:, None], window]
-    above = nearby >= level[:, None]
-    crossing = above[:, :-1] & ~above[:, 1:]
-    chosen = np.where(crossing, _AWAY, np.inf).argmin(axis=1)
-    found &= crossing[rows, chosen]
-    high, low = nearby[rows, chosen], nearby[rows, chosen + 1]
-    fraction = (high - level) / np.where(high > low, high - low, 1.0)
-    return (window[rows, chosen] + fraction) * step, found
+    fall = _Fall.at(profile, height, step, blur)
+    lit = np.flatnonzero(fall.found & (fall.inside < LIT * height))
+    if len(lit):
+        fall.put(lit, _Fall.at(profile[lit], fall.inside[lit], step[lit], blur[lit]))
+    return fall.column * step, fall.found
+
+
+@dataclass(frozen=True)
+class _Fall:
+    """Where n profiles fall through half of their local height: columns, contrasts just inside, and which do."""
+
+    column: FloatArray
+    inside: FloatArray
+    found: NDArray[np.bool_]
+
+    @classmethod
+    def at(
+        cls, profile: NDArray[np.float32], height: FloatArray, step: FloatArray, blur: FloatArray
+    ) -> "_Fall":
+        """Next to the first place at which profiles (n, m) fall through half of these heights (n,)."""
+        rows = np.arange(len(profile))
+        below = profile < (0.5 * height[:, None]).astype(np.float32)
+        first = below.argmax(axis=1)
+        last = profile.shape[1] - 1
+        reach = np.maximum((blur / step).astype(int), 1)
+        found = below[rows, first] & (first > reach) & (first < last)
+        first = np.minimum(np.maximum(first, 1), last)
+        columns = first[:, None] + np.multiply.outer(reach, [-2.0, -1.5, 1.5, 2.0]).astype(int)
+        levels = profile[rows[:, None], np.minimum(np.maximum(columns, 0), last)]
+        level = levels.sum(axis=1) / levels.shape[1]
+        # of the places nearby where the profile falls through this level, the one next to the first crossing
+        window = np.minimum(np.maximum(first[:, None] + np.arange(-NEARBY, NEARBY + 1), 0), last)
+        nearby = profile[rows[:, None], window]
+        above = nearby >= level[:, None]
+        crossing = above[:, :-1] & ~above[:, 1:]
+        chosen = np.where(crossing, _AWAY, np.inf).argmin(axis=1)
+        found &= crossing[rows, chosen]
+        high, low = nearby[rows, chosen], nearby[rows, chosen + 1]
+        fraction = (high - level) / np.where(high > low, high - low, 1.0)
+        return cls(window[rows, chosen] + fraction, levels[:, :2].mean(axis=1), found)
+
+    def put(self, rows: NDArray[np.intp], others: "_Fall") -> None:
+        """Others in the place of these rows."""
+        self.column[rows], self.found[rows] = others.column, others.found
 
 
 _AWAY = np.abs(np.arange(-NEARBY, NEARBY) + 0.5)

@@ -86,6 +86,17 @@ def test_shading_across_the_tube_does_not_move_its_middle(bar):
     assert found.middle_px == pytest.approx(np.full(len(at), 0.4), abs=0.1)
 
 
+@pytest.mark.parametrize("offset_px", [0.0, 3.4])
+def test_a_side_that_hardly_stands_out_is_not_lost_within_the_tube(bar, offset_px):
+    """The bright side differs from the backdrop by less than half of what the whole tube does, as a lit flank over a shadow."""
+    picture, backdrop, normal, along_axis = bar(offset_px, 16.0, 80.0, sides=(30.0, 128.0))
+    at = middles(along_axis)
+    found = find_edges(picture, backdrop, at, np.tile(normal, (len(at), 1)), np.full(len(at), 16.0))
+    assert found.valid.all()
+    assert found.half_width_px == pytest.approx(np.full(len(at), 16.0), abs=0.4)
+    assert found.middle_px == pytest.approx(np.full(len(at), offset_px), abs=0.4)
+
+
 def test_half_height_is_half_of_the_light_and_not_of_the_level(bar):
     """Between levels 20 and 150 half of the light is level 110; half of the level would lie 0.3 px further in."""
     picture, backdrop, normal, along_axis = bar(0.0, 14.0, 90.0, blur_px=1.5, sides=(20.0, 20.0))
