@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.bring_up_truth import camera_errors, robot_frame_error, servo_errors
+from benchmarks.bring_up_truth import camera_errors, robot_figures, robot_frame_error
 from messaging.errors import NodalError
 
 LONGEST_S = 900.0
@@ -65,7 +65,7 @@ class BringUp:
             self._judge(robot_frame_error(folder))
             self._do("calibrate background", ["calibrate", "background", *config])
             self._do("calibrate robot", ["calibrate", "robot", *config])
-            self._judge(servo_errors(folder))
+            self._judge(robot_figures(folder))
             demo = ["demo", *config, "--duration", str(self._demo_s), "--out", str(folder / "demo"), "--json"]
             self._judge(_demo_figures(json.loads(self._do("demo", demo))))
         except FailedError:

@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from messaging.frames import CameraCalibration
 from nodal.bench_file import read_bench
-from nodal.calibration.folder import load_cameras
+from nodal.calibrate.robot_calibrating import ROBOT
+from nodal.calibrate.robot_results import RobotFound
+from nodal.calibration.folder import calibration_folder, load_cameras
 from nodal.calibration_file import load_rig
 
 BENCH, TRUE_RIG = "bench.toml", "true-rig.json"
@@ -54,14 +57,17 @@ def robot_frame_error(folder: Path) -> dict[str, float]:
     }
 
 
-def servo_errors(folder: Path) -> dict[str, float]:
-    """How many pulleys are believed to be wound the right way, and how wrong the worst gain is."""
-    settings = read_bench(folder / BENCH).settings
+def robot_figures(folder: Path) -> dict[str, float]:
+    """How many pulleys are believed to be wound the way they are, and by how much moves without feedback go astray, RMS."""
+    bench = read_bench(folder / BENCH)
+    settings = bench.settings
     believed = np.array([axis.mm_per_rad for axis in settings.servos.tendons])
     true = np.array(settings.simulation.drive.each_pulley_mm_per_rad) if settings.simulation else believed
+    held_out = msgspec.json.decode((calibration_folder(bench) / ROBOT).read_bytes(), type=RobotFound).held_out
     return {
         "signs right": float((np.sign(believed) == np.sign(true)).sum()),
-        "gain off %": float(100 * np.abs(np.abs(believed / true) - 1).max()),
+        "open loop as drawn mm": held_out.before_mm,
+        "as identified mm": held_out.after_mm,
     }
 
 

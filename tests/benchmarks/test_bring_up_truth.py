@@ -3,12 +3,16 @@
 import dataclasses
 import re
 
+import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from benchmarks.bring_up_truth import camera_errors, robot_frame_error, servo_errors
+from benchmarks.bring_up_truth import camera_errors, robot_figures, robot_frame_error
 from calibration.camera_set import CameraSet
+from controller.identified import IdentifiedSettings
+from nodal.calibrate.robot_calibrating import ROBOT
+from nodal.calibrate.robot_results import Foreseen, RobotFound
 from nodal.calibration.folder import CAMERAS, save_cameras
 from nodal.calibration_file import load_rig, save_rig
 from nodal.new.writing import write_simulated
@@ -43,14 +47,32 @@ def test_a_robot_frame_is_off_by_where_it_lies_in_the_true_one(bench):
     assert robot_frame_error(bench) == pytest.approx({"origin off mm": 0.5, "axes off deg": 0.5})
 
 
-def test_a_pulley_that_is_believed_to_be_wound_the_right_way_is_found(bench):
-    before = servo_errors(bench)
-    assert before["signs right"] == 3
-    assert 0 < before["gain off %"] < 12
+def test_pulleys_that_are_believed_to_be_wound_the_right_way_are_counted(bench):
+    found = RobotFound(
+        date="",
+        seconds=1.0,
+        length_mm=80.0,
+        poses=1,
+        refused=0,
+        reversed=(),
+        axes=(),
+        fit_rms_mm=1.0,
+        held_out=Foreseen(poses=1, before_mm=6.0, after_mm=2.0, nodes=()),
+        identified=IdentifiedSettings(
+            date="",
+            gain=(),
+            gain_sigma=(),
+            bias_rad=(),
+            bias_sigma_rad=(),
+            lost_motion_mm=(),
+            lost_motion_sigma_mm=(),
+        ),
+    )
+    (bench / "calibration" / ROBOT).write_bytes(msgspec.json.encode(found))
+    assert robot_figures(bench) == {"signs right": 3, "open loop as drawn mm": 6, "as identified mm": 2}
     file = bench / "bench.toml"
     text = file.read_text(encoding="utf-8")
-    true = re.search(r"each_pulley_mm_per_rad = \[(.*)\]", text)[1].split(", ")
-    for value in true:
+    for value in re.search(r"each_pulley_mm_per_rad = \[(.*)\]", text)[1].split(", "):
         text = text.replace("mm_per_rad = 5.0,", f"mm_per_rad = {value},", 1)
     file.write_text(text, encoding="utf-8")
-    assert servo_errors(bench) == {"signs right": 4, "gain off %": pytest.approx(0)}
+    assert robot_figures(bench)["signs right"] == 4
