@@ -66,7 +66,7 @@ def seconds(plan: Plan, settings: ControllerSettings) -> float:
     """How long it takes, about, without what it takes to start processes."""
     poses = np.concatenate([plan.alone_mm, plan.together_mm, plan.held_out_mm])
     travel_mm = np.abs(np.diff(poses, axis=0)).sum()
-    tendons = len(settings.sections) * 2
+    tendons = sum(len(section.angle_deg) for section in settings.sections)
     return float(travel_mm / settings.jog.mm_s + LOOK_S * len(poses) + 2 * HOMING_S + PULL_S * tendons)
 
 
