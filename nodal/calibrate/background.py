@@ -35,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from nodal.calibrate.background_taking import calibrate_background  # noqa: PLC0415
     from nodal.calibrate.background_words import words  # noqa: PLC0415
+    from nodal.calibrate.ending import next_step, report_anew  # noqa: PLC0415
     from nodal.errors import CalibrationError, CommandError  # noqa: PLC0415
 
     if arguments.pictures < 1:
@@ -50,5 +51,11 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.json
         else "\n".join(words(found.cameras, found.robot))
     )
-    print(f"written {', '.join(map(str, outcome.files))}, and into {outcome.bench}", file=sys.stderr)
+    print(f"written {', '.join(map(str, outcome.files))}, and into {outcome.bench.path}", file=sys.stderr)
+    print(
+        f"report:  {report_anew(outcome.bench)}",
+        next_step(outcome.bench, "background"),
+        sep="\n",
+        file=sys.stderr,
+    )
     return 0 if found.robot is None or found.robot.fine else REFUSED

@@ -46,7 +46,7 @@ class Outcome:
 
     found: BackgroundFound
     files: tuple[Path, ...]
-    bench: Path
+    bench: BenchFile
 
 
 class _Stage:
@@ -103,7 +103,7 @@ def calibrate_background(arguments: argparse.Namespace) -> Outcome:
         seen = calibration_folder(bench) / f"background-{one.camera}-judged.jpg"
         write_picture(seen, drawn(pictures[one.camera], one))
         files.append(seen)
-    return Outcome(found=found, files=tuple(files), bench=bench.path)
+    return Outcome(found=found, files=tuple(files), bench=bench)
 
 
 def _rig(bench: BenchFile, names: Sequence[str]) -> tuple[CameraCalibration, ...]:

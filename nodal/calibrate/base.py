@@ -43,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from calibration.errors import BasePosesError, ViewsError  # noqa: PLC0415
     from nodal.calibrate.base_finding import find_base  # noqa: PLC0415
     from nodal.calibrate.base_words import as_builtins, as_text, warnings  # noqa: PLC0415
+    from nodal.calibrate.ending import next_step, report_anew  # noqa: PLC0415
     from nodal.errors import CalibrationError, CommandError, RobotStoppedError  # noqa: PLC0415
 
     if not 0 < arguments.pull <= LONGEST_PULL_MM:
@@ -59,4 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     print(json.dumps(as_builtins(outcome)) if arguments.json else as_text(outcome))
     for warning in warnings(outcome):
         print(f"warning: {warning}", file=sys.stderr)
+    print(
+        f"report:  {report_anew(outcome.bench)}", next_step(outcome.bench, "base"), sep="\n", file=sys.stderr
+    )
     return 0 if outcome.check is None or outcome.check.good else REFUSED

@@ -14,15 +14,14 @@ from calibration.errors import ViewsError
 from calibration.solving import Calibration, calibrate
 from drivers.cameras import FileCameraSettings, FolderCameraSettings
 from drivers.cameras.frame_sets import frame_sets
-from messaging.errors import NodalError
 from messaging.scene import Scene
 from nodal.bench_file import BenchFile
 from nodal.calibrate.cameras_outcome import Outcome
 from nodal.calibrate.cameras_progress import TakingProgress
 from nodal.calibrate.cameras_taking import Taking, newest
+from nodal.calibrate.ending import report_anew
 from nodal.calibrate.kept_views import NewViews
 from nodal.calibrate.person import person_at
-from nodal.calibrate.report.page import write_report
 from nodal.calibration.folder import CAMERAS, calibration_folder, own_bench, save_cameras
 from nodal.calibration_file import load_rig
 from nodal.cameras.chosen import chosen_cameras, running_cameras
@@ -52,7 +51,7 @@ def calibrate_cameras(arguments: argparse.Namespace) -> Outcome:
         bench=bench,
         cameras=found.cameras,
         file=folder / CAMERAS,
-        report=_reported(bench),
+        report=report_anew(bench),
         refused=taking.refused,
         before=before,
     )
@@ -94,14 +93,6 @@ def _calibrated(taking: Taking, board: Board) -> Calibration:
     found = calibrate(board, taking.views, taking.sizes)
     made_at = datetime.now(UTC).isoformat(timespec="seconds")
     return dataclasses.replace(found, cameras=msgspec.structs.replace(found.cameras, made_at=made_at))
-
-
-def _reported(bench: BenchFile) -> str:
-    """Where the report is; cameras are calibrated without one too, and then it says why there is none."""
-    try:
-        return str(write_report(bench))
-    except NodalError as error:
-        return f"not written: {error}"
 
 
 def _before(bench: BenchFile) -> CameraSet | None:

@@ -13,6 +13,7 @@ from nodal.bench_file import BenchFile
 from nodal.calibrate.cameras_geometry import moved
 from nodal.calibrate.cameras_verdict import judgements, overall
 from nodal.calibrate.cameras_words import SUMMARIES, aligned, camera_rows, hint, places, value_of
+from nodal.calibrate.ending import next_step
 
 MOST_REASONS = 6
 
@@ -88,4 +89,4 @@ def _next(outcome: Outcome) -> Iterator[str]:
         )
     if outcome.before is not None:
         yield "that file is as it was: the bench runs with it until the robot frame was found again"
-    yield f"next: nodal calibrate base --config {outcome.bench.path}"
+    yield next_step(outcome.bench, "cameras")

@@ -28,6 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     import sys  # noqa: PLC0415
 
     from calibration.errors import RobotPosesError  # noqa: PLC0415
+    from nodal.calibrate.ending import next_step, report_anew  # noqa: PLC0415
     from nodal.calibrate.robot_calibrating import calibrate_robot, foretold  # noqa: PLC0415
     from nodal.calibrate.robot_words import as_json, as_text  # noqa: PLC0415
     from nodal.calibration.folder import own_bench  # noqa: PLC0415
@@ -47,4 +48,5 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"what to do: {refusal.advice}", file=sys.stderr)
         return REFUSED
     print(as_json(found) if arguments.json else as_text(found))
+    print(f"report:  {report_anew(bench)}", next_step(bench, "robot"), sep="\n", file=sys.stderr)
     return 0
