@@ -17,10 +17,10 @@ from benchmarks.poses import LENGTH_MM, Array, centreline, photograph, random_be
 from benchmarks.scoring import Score
 from drivers.simulated.cameras.rig import default_cameras
 from messaging.frames import CameraCalibration
-from nodal.calibrate.background_area import Reach
-from nodal.calibrate.background_judging import judged
-from nodal.calibrate.background_keeping import coded
-from nodal.calibrate.background_statistics import Pictures
+from nodal.calibrate.background.area import Reach
+from nodal.calibrate.background.judging import judged
+from nodal.calibrate.background.keeping import coded
+from nodal.calibrate.background.statistics import Pictures
 from sensing.geometry.camera import Camera
 from sensing.method import METHODS
 from sensing.pictures.picture import Picture

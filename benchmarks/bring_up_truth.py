@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from messaging.frames import CameraCalibration
 from nodal.bench_file import read_bench
-from nodal.calibrate.robot_calibrating import ROBOT
-from nodal.calibrate.robot_results import RobotFound
+from nodal.calibrate.robot.calibrating import ROBOT
+from nodal.calibrate.robot.results import RobotFound
 from nodal.calibration.folder import calibration_folder, load_cameras
 from nodal.calibration_file import load_rig
 

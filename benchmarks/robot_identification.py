@@ -17,10 +17,10 @@ from benchmarks.control.robots import BENCH_ROBOT
 from controller.identified import IdentifiedSettings
 from controller.settings import ControllerSettings
 from drivers.dynamixel.settings import AxisSettings
-from nodal.calibrate.robot_experiment import experiment, plan_for, reach
-from nodal.calibrate.robot_leading import Leader
-from nodal.calibrate.robot_results import Outcome, identify
-from nodal.calibrate.robot_wiring import find_wiring
+from nodal.calibrate.robot.experiment import experiment, plan_for, reach
+from nodal.calibrate.robot.leading import Leader
+from nodal.calibrate.robot.results import Outcome, identify
+from nodal.calibrate.robot.wiring import find_wiring
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.hand import VirtualHand
 from nodal.virtual.random_bench import random_bench

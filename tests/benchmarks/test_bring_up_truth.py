@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from benchmarks.bring_up_truth import camera_errors, robot_figures, robot_frame_error
 from calibration.camera_set import CameraSet
 from controller.identified import IdentifiedSettings
-from nodal.calibrate.robot_calibrating import ROBOT
-from nodal.calibrate.robot_results import Foreseen, RobotFound
+from nodal.calibrate.robot.calibrating import ROBOT
+from nodal.calibrate.robot.results import Foreseen, RobotFound
 from nodal.calibration.folder import CAMERAS, save_cameras
 from nodal.calibration_file import load_rig, save_rig
 from nodal.new.writing import write_simulated

@@ -1,7 +1,7 @@
 """What accuracy these cameras allow at the robot."""
 
 from nodal.calibrate.report.material import Material
-from nodal.calibration.show_figures import MEASURED_PX
+from nodal.calibration.show.figures import MEASURED_PX
 from nodal.report.page.markup import Content, element, table
 from nodal.report.page.numbers import with_unit
 

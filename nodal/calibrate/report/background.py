@@ -1,6 +1,6 @@
 """The scene without the robot."""
 
-from nodal.calibrate.background_keeping import FILE, BackgroundFound
+from nodal.calibrate.background.keeping import FILE, BackgroundFound
 from nodal.calibrate.report.material import Material
 from nodal.report.page.markup import Content, element, table
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from calibration.base import Base, BasesFound, difference
-from nodal.calibrate.base_keeping import BASE
+from nodal.calibrate.base.keeping import BASE
 from nodal.calibrate.report.material import Material
 from nodal.report.page.markup import Content, element, table
 from nodal.report.page.numbers import with_unit

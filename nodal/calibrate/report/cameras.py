@@ -1,7 +1,7 @@
 """The cameras in figures, and how good each is."""
 
-from nodal.calibrate.cameras_verdict import judgements
-from nodal.calibrate.cameras_words import camera_rows, places, value_of
+from nodal.calibrate.cameras.verdict import judgements
+from nodal.calibrate.cameras.words import camera_rows, places, value_of
 from nodal.calibrate.report.material import Material
 from nodal.report.page.markup import Content, element, table
 

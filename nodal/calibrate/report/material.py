@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from calibration.camera_set import CameraSet
 from nodal.bench_file import BenchFile
-from nodal.calibrate.kept_views import KeptViews, kept_pictures, kept_views
+from nodal.calibrate.cameras.kept_views import KeptViews, kept_pictures, kept_views
 from nodal.calibration.folder import calibration_folder, load_cameras
 from nodal.calibration.formats.calibration import Calibration
 from nodal.calibration.show import of_bench
-from nodal.calibration.show_figures import Figures, figures
+from nodal.calibration.show.figures import Figures, figures
 from nodal.errors import CalibrationFileError
 from nodal.report.page.markup import figure
 from nodal.report.page.overlaid import picture_svg

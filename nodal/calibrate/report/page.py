@@ -4,8 +4,8 @@ import importlib
 from pathlib import Path
 
 from nodal.bench_file import BenchFile
-from nodal.calibrate.cameras_verdict import Grade, judgements, overall
-from nodal.calibrate.cameras_words import SUMMARIES
+from nodal.calibrate.cameras.verdict import Grade, judgements, overall
+from nodal.calibrate.cameras.words import SUMMARIES
 from nodal.calibrate.report import SECTIONS
 from nodal.calibrate.report.material import Material, material
 from nodal.errors import ReportError

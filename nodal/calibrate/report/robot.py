@@ -1,8 +1,8 @@
 """What was identified of the robot's drive, and how well its moves are foreseen without feedback."""
 
 from nodal.calibrate.report.material import Material
-from nodal.calibrate.robot_calibrating import ROBOT
-from nodal.calibrate.robot_results import RobotFound
+from nodal.calibrate.robot.calibrating import ROBOT
+from nodal.calibrate.robot.results import RobotFound
 from nodal.report.page.markup import Content, element, table
 from nodal.report.page.numbers import with_unit
 

@@ -14,13 +14,13 @@ from drivers.simulated.cameras.renderer import Renderer
 from drivers.simulated.cameras.settings import SimulatedCamerasSettings
 from nodal.__main__ import main
 from nodal.bench_file import load_bench, read_bench
-from nodal.calibrate import background_taking
-from nodal.calibrate.background_area import Reach, holder_mask, reach_mask, work_area
-from nodal.calibrate.background_judging import judged, refusals
-from nodal.calibrate.background_keeping import stage_of
-from nodal.calibrate.background_robot import robot_seen
-from nodal.calibrate.background_statistics import Pictures
-from nodal.calibrate.background_warnings import warnings
+from nodal.calibrate.background import taking
+from nodal.calibrate.background.area import Reach, holder_mask, reach_mask, work_area
+from nodal.calibrate.background.judging import judged, refusals
+from nodal.calibrate.background.keeping import stage_of
+from nodal.calibrate.background.robot import robot_seen
+from nodal.calibrate.background.statistics import Pictures
+from nodal.calibrate.background.warnings import warnings
 from nodal.calibration_file import save_rig
 from nodal.toml_file import read_table, written
 from sensing.geometry.camera import Camera
@@ -215,14 +215,10 @@ def test_at_the_bench_the_robot_is_asked_away_and_back(bench, studio, monkeypatc
             [studio.robot],
         ]
     )
-    monkeypatch.setattr(
-        background_taking, "running_cameras", lambda *_: contextlib.nullcontext(([], session))
-    )
-    monkeypatch.setattr(background_taking, "person_at", lambda *_: SimpleNamespace(please=asked.append))
-    monkeypatch.setattr(background_taking, "taken", lambda *_: next(looks))
-    monkeypatch.setattr(
-        background_taking.Sensor, "estimate", flagged(background_taking.Sensor.estimate, flags)
-    )
+    monkeypatch.setattr(taking, "running_cameras", lambda *_: contextlib.nullcontext(([], session)))
+    monkeypatch.setattr(taking, "person_at", lambda *_: SimpleNamespace(please=asked.append))
+    monkeypatch.setattr(taking, "taken", lambda *_: next(looks))
+    monkeypatch.setattr(taking.Sensor, "estimate", flagged(taking.Sensor.estimate, flags))
     words = ["calibrate", "background", "--config", str(bench / "bench.toml"), "--json"]
     assert main(words) == status
     assert [str(scene) for scene in asked] == ["empty", "robot"]

@@ -13,9 +13,9 @@ from calibration.board import Board
 from messaging.board import BoardSettings
 from nodal.__main__ import main
 from nodal.bench_file import SHIPPED, read_bench
-from nodal.calibrate.board_drawing import draw_board
-from nodal.calibrate.board_page import PAPERS_MM, board_page
-from nodal.calibrate.board_pattern import black_rectangles_mm
+from nodal.calibrate.board.drawing import draw_board
+from nodal.calibrate.board.page import PAPERS_MM, board_page
+from nodal.calibrate.board.pattern import black_rectangles_mm
 from nodal.errors import CalibrationError
 
 MM_PER_PT = 25.4 / 72

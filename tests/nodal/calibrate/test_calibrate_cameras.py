@@ -10,9 +10,9 @@ import pytest
 from calibration.camera_set import CameraSet
 from messaging.errors import NodalError
 from nodal.__main__ import main
-from nodal.calibrate import cameras_calibrating
-from nodal.calibrate.cameras_taking import Taking
-from nodal.calibrate.kept_views import kept_pictures, kept_views
+from nodal.calibrate import ending
+from nodal.calibrate.cameras.kept_views import kept_pictures, kept_views
+from nodal.calibrate.cameras.taking import Taking
 from nodal.calibration.folder import cameras_in
 from nodal.calibration_file import load_rig, save_rig
 from nodal.toml_file import read_table, written
@@ -120,7 +120,7 @@ def test_an_interrupt_goes_on_with_the_views_that_there_are_and_needs_no_picture
     def without_matplotlib(bench):
         raise NodalError("pictures need matplotlib")
 
-    monkeypatch.setattr(cameras_calibrating, "write_report", without_matplotlib)
+    monkeypatch.setattr(ending, "write_report", without_matplotlib)
 
     def interrupted(self, frame_set):
         if len(self.views) == 8:

@@ -16,10 +16,10 @@ from messaging.settings import RobotSettings
 from nodal.__main__ import main
 from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import read_bench
-from nodal.calibrate.robot_experiment import experiment, reach
-from nodal.calibrate.robot_leading import Leader
-from nodal.calibrate.robot_results import axes_found, identify
-from nodal.calibrate.robot_wiring import find_wiring
+from nodal.calibrate.robot.experiment import experiment, reach
+from nodal.calibrate.robot.leading import Leader
+from nodal.calibrate.robot.results import axes_found, identify
+from nodal.calibrate.robot.wiring import find_wiring
 from nodal.errors import JogRefusedError, RobotStoppedError
 from nodal.virtual.bench import VirtualBench
 from nodal.virtual.hand import VirtualHand

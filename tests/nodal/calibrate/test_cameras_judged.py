@@ -10,11 +10,11 @@ from calibration.base import Base, BasesFound
 from calibration.camera_set import BoardCheck
 from controller.identified import IdentifiedSettings
 from nodal.__main__ import main
-from nodal.calibrate.background_judging import CameraBackground
-from nodal.calibrate.background_keeping import FILE, BackgroundFound
-from nodal.calibrate.cameras_verdict import Grade, judgements, overall
-from nodal.calibrate.robot_calibrating import ROBOT
-from nodal.calibrate.robot_results import AxisFound, Foreseen, NodeForeseen, RobotFound
+from nodal.calibrate.background.judging import CameraBackground
+from nodal.calibrate.background.keeping import FILE, BackgroundFound
+from nodal.calibrate.cameras.verdict import Grade, judgements, overall
+from nodal.calibrate.robot.calibrating import ROBOT
+from nodal.calibrate.robot.results import AxisFound, Foreseen, NodeForeseen, RobotFound
 from nodal.calibration.folder import cameras_in
 from nodal.calibration_file import save_rig
 

@@ -8,9 +8,9 @@ from rich.console import Console
 from calibration.board import Board
 from drivers.cameras import CameraFrame, FrameSet
 from messaging.board import BoardSettings
-from nodal.calibrate.cameras_progress import COLUMNS, ROWS, blocks, drawn, in_one_line
-from nodal.calibrate.cameras_taking import Taking, newest
-from nodal.calibrate.kept_views import NewViews
+from nodal.calibrate.cameras.kept_views import NewViews
+from nodal.calibrate.cameras.progress import COLUMNS, ROWS, blocks, drawn, in_one_line
+from nodal.calibrate.cameras.taking import Taking, newest
 
 
 @pytest.fixture

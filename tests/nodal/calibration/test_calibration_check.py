@@ -17,9 +17,9 @@ from messaging.frames import Frame
 from messaging.topics import CAMERA
 from nodal.__main__ import main
 from nodal.bench_file import load_bench
-from nodal.calibration.check_scenery import Motion, Scenery
-from nodal.calibration.check_tracks import Sighting, Track, tracks
-from nodal.calibration.check_verdict import judged
+from nodal.calibration.check.scenery import Motion, Scenery
+from nodal.calibration.check.tracks import Sighting, Track, tracks
+from nodal.calibration.check.verdict import judged
 from nodal.calibration_file import save_rig
 from nodal.toml_file import read_table, written
 from recordings.settings import RecorderSettings

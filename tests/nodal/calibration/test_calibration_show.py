@@ -14,7 +14,7 @@ from nodal.__main__ import main
 from nodal.bench_file import bench_path, load_bench
 from nodal.calibration.folder import save_cameras
 from nodal.calibration.formats.calibration import Calibration
-from nodal.calibration.show_figures import MEASURED_PX, figures
+from nodal.calibration.show.figures import MEASURED_PX, figures
 from nodal.calibration_file import save_rig
 
 DISTANCE_MM, FOCAL_PX = 200.0, 1000.0

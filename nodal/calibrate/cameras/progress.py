@@ -1,0 +1,96 @@
+"""How the taking of views goes: drawn anew on a terminal, a line for each view elsewhere."""
+
+import time
+from collections.abc import Iterable
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from calibration.views import Size, View
+from nodal.calibrate.cameras.taking import Taking
+
+COLUMNS, ROWS = 16, 9
+SHADES = " ░▒▓█"
+FULL = 20
+"""So many corners in a block of the picture are as good as any more."""
+MOST_WANTED = 4
+LINE_S = 3.0
+
+
+class TakingProgress:
+    """Shows a `Taking`; `show` is called after each look."""
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True)
+        self._live = Live(console=self._console, auto_refresh=False, transient=True)
+        self._next_s = 0.0
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Leave the terminal as it was."""
+        if self._console.is_terminal:
+            self._live.stop()
+
+    def show(self, taking: Taking) -> None:
+        """Draw, or say what is new."""
+        if taking.view is None or taking.verdict is None:
+            return
+        if self._console.is_terminal:
+            self._live.update(drawn(taking), refresh=True)
+        elif taking.verdict.taken or time.monotonic() >= self._next_s:
+            self._next_s = time.monotonic() + LINE_S
+            self._console.print(in_one_line(taking), highlight=False, markup=False, soft_wrap=True)
+
+
+def in_one_line(taking: Taking) -> str:
+    """Views so far, the last verdict, and what is wanted most."""
+    wanted = next(iter(taking.missing), "")
+    return f"{len(taking.views)} views | {_judged(taking)}" + (
+        f" | next: {wanted}" if wanted else " | enough"
+    )
+
+
+def drawn(taking: Taking) -> Group:
+    """The same with everything that is missing, and which parts of each picture were covered."""
+    facts = Table.grid(padding=(0, 2))
+    facts.add_row(Text("views", style="bold"), f"{len(taking.views)} taken")
+    facts.add_row(Text("last look", style="bold"), Text(_judged(taking)))
+    for number, wanted in enumerate(taking.missing[:MOST_WANTED] or ("nothing, that is enough",)):
+        facts.add_row(Text("" if number else "still missing", style="bold"), Text(wanted))
+    pictures = Table.grid(padding=(0, 3))
+    pictures.add_row(*(Text(camera, style="bold") for camera in taking.sizes))
+    pictures.add_row(
+        *(
+            Text("\n".join(f"│{row}│" for row in blocks(taking.views, camera, size)))
+            for camera, size in taking.sizes.items()
+        )
+    )
+    return Group(facts, pictures, Text("Ctrl-C goes on with the views that there are", style="dim"))
+
+
+def blocks(views: Iterable[View], camera: str, size: Size) -> list[str]:
+    """Rows of characters, the darker the more corners of the board were seen in that part of the picture."""
+    px = [view.corners[camera].px for view in views if camera in view.corners]
+    across, down = np.concatenate([np.zeros((0, 2)), *px]).T
+    counts, _, _ = np.histogram2d(down, across, bins=(ROWS, COLUMNS), range=((0, size[1]), (0, size[0])))
+    shades = np.ceil(counts.clip(0, FULL) / FULL * (len(SHADES) - 1)).astype(int)
+    return ["".join(SHADES[shade] for shade in row for _ in range(2)) for row in shades]
+
+
+def _judged(taking: Taking) -> str:
+    verdict, view = taking.verdict, taking.view
+    if verdict is None or view is None:
+        return "nothing seen yet"
+    return f"view {view.name} taken: {verdict.reason}" if verdict.taken else f"not taken: {verdict.reason}"

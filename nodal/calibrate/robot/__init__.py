@@ -1,0 +1,52 @@
+"""`nodal calibrate robot`: what the tendons truly do to the robot."""
+
+import argparse
+
+from nodal.arguments import add_config_argument
+from nodal.exit_status import REFUSED
+
+SUMMARY = "move each tendon gently and identify signs, gains, coupling and lost motion"
+SHARE = 0.6
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The bench, how far, and what is printed."""
+    add_config_argument(parser)
+    parser.add_argument(
+        "--share",
+        type=float,
+        default=SHARE,
+        metavar="SHARE",
+        help="how far tendons are moved, as a share of controller.limits.displacement_mm (default %(default)s)",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="say what would be moved, and move nothing")
+    parser.add_argument("--json", action="store_true", help="print the figures as one JSON object on stdout")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """0, or 3 with the reason when the robot cannot be led, or is not wired as it is drawn. Raises NodalError."""
+    import sys  # noqa: PLC0415
+
+    from calibration.errors import RobotPosesError  # noqa: PLC0415
+    from nodal.calibrate.ending import next_step, report_anew  # noqa: PLC0415
+    from nodal.calibrate.robot.calibrating import calibrate_robot, foretold  # noqa: PLC0415
+    from nodal.calibrate.robot.words import as_json, as_text  # noqa: PLC0415
+    from nodal.calibration.folder import own_bench  # noqa: PLC0415
+    from nodal.errors import CalibrationError, CommandError, RobotStoppedError  # noqa: PLC0415
+
+    if not 0 < arguments.share <= 1:
+        raise CommandError(f"--share {arguments.share:g}: allowed is above 0 and up to 1")
+    if arguments.dry_run:
+        print(foretold(arguments.config, arguments.share))
+        return 0
+    try:
+        bench = own_bench(arguments.config)
+        found = calibrate_robot(bench, arguments.share)
+    except (RobotStoppedError, RobotPosesError, CalibrationError) as refusal:
+        print(f"nodal: refused: {refusal}", file=sys.stderr)
+        if isinstance(refusal, RobotStoppedError) and refusal.advice:
+            print(f"what to do: {refusal.advice}", file=sys.stderr)
+        return REFUSED
+    print(as_json(found) if arguments.json else as_text(found))
+    print(f"report:  {report_anew(bench)}", next_step(bench, "robot"), sep="\n", file=sys.stderr)
+    return 0

@@ -1,0 +1,141 @@
+"""The whole experiment on a homed robot: each axis alone, all together, and moves that nobody fits anything to."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.robot_model import Poses
+from calibration.robot_plan import Plan, Reach, planned
+from controller.kinematics import Kinematics
+from controller.plant import Plant
+from controller.settings import ControllerSettings
+from messaging.settings import RobotSettings
+from nodal.calibrate.robot.leading import SETTLED_S, Leader, Stand
+from nodal.errors import JogRefusedError, RobotStoppedError
+
+Array = NDArray[np.float64]
+
+TOGETHER, HELD_OUT = 16, 8
+STAGE_SHARE = 0.2
+"""How far the stage moves, of its travel."""
+HOMING_S, LOOK_S = 12.0, SETTLED_S + 0.3
+PULL_S = 5.0
+"""Roughly: homing, one look, and what it takes to find the direction of one axis."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """What was seen: the runs after each homing, and how many poses at the end of the last are held out."""
+
+    runs: tuple[Poses, ...]
+    held_out: int
+    alone: tuple[Stand, ...]
+    """The stands of the first run, with their currents."""
+    refused: int
+    """Poses that were left out because a forbidden region is in the way."""
+
+    @property
+    def fitted(self) -> tuple[Poses, ...]:
+        """The runs without what is held out."""
+        *runs, last = self.runs
+        return (*runs, last.first(len(last) - self.held_out))
+
+
+def reach(settings: ControllerSettings, share: float, stage_mm: float | None) -> Reach:
+    """How far axes may go: this share of the tendons' travel, and a little of the stage's, from where it stands."""
+    tendon_mm = share * settings.limits.displacement_mm
+    if stage_mm is None:
+        return Reach(tendon_mm=tendon_mm, stage_mm=())
+    low_mm, high_mm = settings.limits.insertion_mm
+    step_mm = min(STAGE_SHARE * (high_mm - low_mm), settings.jog.at_most_mm)
+    there_mm = stage_mm + step_mm if stage_mm + step_mm <= high_mm else stage_mm - step_mm
+    return Reach(tendon_mm=tendon_mm, stage_mm=(stage_mm, there_mm))
+
+
+def plan_for(settings: ControllerSettings, robot: RobotSettings, within: Reach) -> Plan:
+    """Where this robot is led; raises ControllerSetupError."""
+    kinematics = settings.kinematics(robot)
+    tendons, bends = kinematics.tendons, 2 * len(kinematics.length_mm)
+    paired = Plant.of(settings, robot).antagonistic[:tendons]
+    return planned(kinematics.command_of_coordinates[:tendons, :bends], paired, within, TOGETHER, HELD_OUT)
+
+
+def seconds(plan: Plan, settings: ControllerSettings) -> float:
+    """How long it takes, about, without what it takes to start processes."""
+    poses = np.concatenate([plan.alone_mm, plan.together_mm, plan.held_out_mm])
+    travel_mm = np.abs(np.diff(poses, axis=0)).sum()
+    tendons = sum(len(section.angle_deg) for section in settings.sections)
+    return float(travel_mm / settings.jog.mm_s + LOOK_S * len(poses) + 2 * HOMING_S + PULL_S * tendons)
+
+
+def experiment(leader: Leader, plan: Plan, tell: Callable[[str], None]) -> Seen:
+    """Home, each axis alone, home again, all together, and the moves that are held out; raises RobotStoppedError.
+
+    `tell` is told what is done.
+    """
+    tell("homing")
+    leader.home()
+    alone, refused_alone = _stands(leader, plan.alone_mm, tell, "each axis alone")
+    leader.go(plan.alone_mm[-1])
+    tell("homing again: how far one homing is from another")
+    leader.home()
+    together, refused = _stands(leader, plan.together_mm, tell, "all together")
+    held_out, refused_held = _stands(leader, plan.held_out_mm, tell, "moves to be foreseen")
+    leader.go(plan.alone_mm[-1])
+    if not (alone and together and held_out):
+        raise RobotStoppedError(
+            "forbidden regions refuse so many moves that nothing can be identified", "move less far: --share"
+        )
+    return Seen(
+        runs=(_poses(alone), _poses([*together, *held_out])),
+        held_out=len(held_out),
+        alone=tuple(alone),
+        refused=refused_alone + refused + refused_held,
+    )
+
+
+def _stands(
+    leader: Leader, poses_mm: Array, tell: Callable[[str], None], what: str
+) -> tuple[list[Stand], int]:
+    stands, refused = [], 0
+    for number, pose in enumerate(poses_mm, start=1):
+        tell(f"{what}: {number} of {len(poses_mm)}")
+        try:
+            leader.go(pose)
+        except JogRefusedError:
+            refused += 1
+            continue
+        stands.append(leader.stand())
+    return stands, refused
+
+
+def _poses(stands: Sequence[Stand]) -> Poses:
+    return Poses(
+        position_mm=np.array([stand.position_mm for stand in stands]),
+        node_mm=np.array([stand.node_mm for stand in stands]),
+        sigma_mm=np.array([stand.sigma_mm for stand in stands]),
+        arc_mm=stands[0].arc_mm,
+    )
+
+
+def current_ma(seen: Seen, kinematics: Kinematics) -> tuple[Array, Array]:
+    """(D,) of each tendon axis: the current at rest near its zero, and by how much it differs between coming to it from either
+    side, both from the poses in which each axis was moved alone; NaN where it came from one side only.
+    """
+    positions = np.array([stand.position_mm for stand in seen.alone])
+    currents = np.array([stand.current_ma for stand in seen.alone])
+    rest, between = np.full(kinematics.tendons, np.nan), np.full(kinematics.tendons, np.nan)
+    furthest = np.abs(positions).max(axis=0)
+    for axis in range(kinematics.tendons):
+        moved = np.flatnonzero(np.abs(np.diff(positions[:, axis])) > 0.1 * furthest[axis])
+        home = [row + 1 for row in moved if abs(positions[row + 1, axis]) < 0.1 * furthest[axis]]
+        if not home:
+            continue
+        rest[axis] = currents[home, axis].mean()
+        down = [currents[row, axis] for row in home if positions[row - 1, axis] > 0]
+        up = [currents[row, axis] for row in home if positions[row - 1, axis] < 0]
+        if down and up:
+            between[axis] = abs(np.mean(up) - np.mean(down))
+    return rest, between
