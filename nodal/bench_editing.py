@@ -1,6 +1,6 @@
 """Changes to a bench file that leave its comments and its order as they are."""
 
-import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,8 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AbstractTable
 
 from nodal.errors import BenchFileError
-from nodal.toml_file import Table, read_table
+from nodal.toml_file import Table, read_table, table_in
+from nodal.whole_file import write_whole
 
 
 def edit_bench_file(path: Path, changes: Table) -> None:
@@ -21,13 +22,12 @@ def edit_bench_file(path: Path, changes: Table) -> None:
     """
     read_table(path)  # a file that is not a bench file is refused as everywhere
     try:
-        old = path.read_text(encoding="utf-8")
-        document = tomlkit.parse(old)
+        document = tomlkit.parse(path.read_text(encoding="utf-8"))
         _merge(document, changes)
-        path.with_name(path.name + "~").write_text(old, encoding="utf-8")
-        new = path.with_name(path.name + ".new")
-        new.write_text(tomlkit.dumps(document), encoding="utf-8")
-        os.replace(new, path)  # noqa: PTH105  atomic, as its name says
+        changed = tomlkit.dumps(document).encode()
+        table_in(changed, f"{path} as it would be")
+        shutil.copy(path, path.with_name(path.name + "~"))
+        write_whole(path, changed)
     except OSError as error:
         raise BenchFileError(f"{path}: cannot be written: {error.strerror}") from error
     except TOMLKitError as error:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from messaging.errors import InvalidMessageError
 from messaging.frames import CameraCalibration
 from nodal.errors import CalibrationFileError
+from nodal.whole_file import write_whole
 
 NUMBERS = re.compile(r"\[[-+.,\deE\s]+\]")
 
@@ -55,7 +56,7 @@ def rig_in(data: bytes, source: str) -> tuple[CameraCalibration, ...]:
 def save_rig(path: Path, cameras: Sequence[CameraCalibration]) -> None:
     """Write cameras as a calibration file that `load_rig` reads back exactly; raises CalibrationFileError."""
     try:
-        path.write_text(rig_text(cameras), encoding="utf-8")
+        write_whole(path, rig_text(cameras).encode())
     except OSError as error:
         raise CalibrationFileError(f"{path}: cannot be written: {error.strerror}") from error
 

@@ -13,6 +13,7 @@ from nodal.bench_file import SHIPPED, BenchFile, make_folder, read_bench, work_f
 from nodal.calibration_file import load_rig
 from nodal.errors import CalibrationFileError
 from nodal.toml_file import written
+from nodal.whole_file import write_whole
 
 CAMERAS = "cameras.json"
 """Cameras among one another; the calibration file that the bench file names holds them in the robot frame."""
@@ -66,10 +67,10 @@ def cameras_in(file: Path) -> CameraSet:
         raise CalibrationFileError(f"{file}: not a file of calibrated cameras: {error}") from error
 
 
-def save_cameras(file: Path, cameras: CameraSet) -> None:
-    """Write them; raises CalibrationFileError."""
+def save_json(file: Path, found: msgspec.Struct) -> None:
+    """Write what a step found, in place of what it found before; raises CalibrationFileError."""
     try:
-        file.write_bytes(msgspec.json.format(msgspec.json.encode(cameras), indent=1) + b"\n")
+        write_whole(file, msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
     except OSError as error:
         raise CalibrationFileError(f"{file}: cannot be written: {error.strerror}") from error
 

@@ -13,7 +13,7 @@ from calibration.camera_set import CameraSet
 from controller.identified import IdentifiedSettings
 from nodal.calibrate.robot.calibrating import ROBOT
 from nodal.calibrate.robot.results import Foreseen, RobotFound
-from nodal.calibration.folder import CAMERAS, save_cameras
+from nodal.calibration.folder import CAMERAS, save_json
 from nodal.calibration_file import load_rig, save_rig
 from nodal.new.writing import write_simulated
 
@@ -27,11 +27,11 @@ def bench(tmp_path):
 
 def test_cameras_that_are_right_have_no_error_and_others_theirs(bench):
     true = load_rig(bench / "true-rig.json")
-    save_cameras(bench / "calibration" / CAMERAS, CameraSet.of_rig(true))
+    save_json(bench / "calibration" / CAMERAS, CameraSet.of_rig(true))
     right = camera_errors(bench)
     assert max(right["focal off px"], right["centre off px"], right["baseline off mm"]) < 1e-9
     longer = dataclasses.replace(true[1], intrinsics=true[1].intrinsics + np.diag([3.0, 0, 0]))
-    save_cameras(bench / "calibration" / CAMERAS, CameraSet.of_rig([true[0], longer]))
+    save_json(bench / "calibration" / CAMERAS, CameraSet.of_rig([true[0], longer]))
     assert camera_errors(bench)["focal off px"] == pytest.approx(3.0)
 
 

@@ -13,8 +13,9 @@ from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import Bench, BenchFile
 from nodal.calibrate.background.judging import CameraBackground
 from nodal.calibrate.background.robot import RobotSeen
-from nodal.calibration.folder import calibration_folder
+from nodal.calibration.folder import calibration_folder, save_json
 from nodal.errors import CalibrationFileError
+from nodal.whole_file import write_whole
 from sensing.pictures.light import Image
 
 FILE = "background.json"
@@ -42,10 +43,7 @@ def keep(bench: BenchFile, found: BackgroundFound, pictures: Mapping[str, Image]
     files = {name: folder / f"background-{name}.jpg" for name in pictures}
     for name, picture in pictures.items():
         write_picture(files[name], picture)
-    try:
-        (folder / FILE).write_bytes(msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
-    except OSError as error:
-        raise CalibrationFileError(f"{folder / FILE}: cannot be written: {error.strerror}") from error
+    save_json(folder / FILE, found)
     relative = {name: os.path.relpath(file, bench.path.parent) for name, file in files.items()}
     known = bench.settings.sensing.work_area
     areas = {
@@ -62,7 +60,7 @@ def keep(bench: BenchFile, found: BackgroundFound, pictures: Mapping[str, Image]
 def write_picture(file: Path, picture: Image) -> None:
     """As JPEG of high quality; raises CalibrationFileError."""
     try:
-        file.write_bytes(coded(picture))
+        write_whole(file, coded(picture))
     except OSError as error:
         raise CalibrationFileError(f"{file}: cannot be written: {error.strerror}") from error
 

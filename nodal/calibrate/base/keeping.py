@@ -12,7 +12,7 @@ from calibration.camera_set import CameraSet
 from messaging.frames import CameraCalibration
 from nodal.bench_file import BenchFile
 from nodal.calibrate.base.looking import Jpegs
-from nodal.calibration.folder import calibration_folder
+from nodal.calibration.folder import calibration_folder, save_json
 from nodal.calibration_file import save_rig
 from nodal.errors import CalibrationFileError
 from sensing.geometry.camera import Camera
@@ -50,8 +50,8 @@ def keep(
     folder = calibration_folder(bench)
     rig = cameras.in_robot_frame(bases[used].matrix)
     found = BasesFound(used=used, board=bases.get("board"), robot=bases.get("robot"))
+    save_json(folder / BASE, found)
     try:
-        (folder / BASE).write_bytes(msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
         for calibration in rig:
             (folder / f"base-{calibration.camera}.jpg").write_bytes(
                 drawn(calibration, pictures[calibration.camera])

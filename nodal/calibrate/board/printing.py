@@ -10,7 +10,7 @@ from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import BenchFile
 from nodal.calibrate.board.drawing import described, draw_board
 from nodal.calibrate.board.page import board_page
-from nodal.calibration.folder import calibration_folder
+from nodal.calibration.folder import calibration_folder, save_json
 from nodal.errors import CalibrationError, CommandError
 
 PRINTED = "board.json"
@@ -27,12 +27,15 @@ class PrintedBoard(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
 
 def print_board(bench: BenchFile, file: Path, paper: str) -> str:
-    """Draw the bench's board; returns what to do with it. Raises CalibrationError, BoardError, NodalError without matplotlib."""
+    """Draw the bench's board; returns what to do with it.
+
+    Raises CalibrationError, BoardError, CalibrationFileError, NodalError without matplotlib.
+    """
     board = bench.settings.board
     Board(board)  # what no camera could read is refused before it is printed
     page = board_page(board, paper)
     draw_board(file, page, board)
-    _remember(bench, PrintedBoard(board=board, ruler_mm=page.ruler_mm))
+    save_json(calibration_folder(bench) / PRINTED, PrintedBoard(board=board, ruler_mm=page.ruler_mm))
     return (
         f"{file}: {described(board)}, on {paper}\n"
         f"print it at 100 %, glue it onto something flat and stiff, and measure the ruler ({page.ruler_mm:g} mm), then:\n"
@@ -60,14 +63,6 @@ def correct_board(bench: BenchFile, measured_mm: float) -> str:
     edit_bench_file(bench.path, {"board": sizes})
     what = ", ".join(f"{key} = {value:g}" for key, value in sizes.items())
     return f"{bench.path}: [board] {what}; it was drawn with {drawn.square_mm:g} mm and came out at {100 * scale:.2f} %"
-
-
-def _remember(bench: BenchFile, printed: PrintedBoard) -> None:
-    file = calibration_folder(bench) / PRINTED
-    try:
-        file.write_bytes(msgspec.json.format(msgspec.json.encode(printed), indent=1) + b"\n")
-    except OSError as error:
-        raise CalibrationError(f"{file}: cannot be written: {error.strerror}") from error
 
 
 def _remembered(bench: BenchFile) -> PrintedBoard:

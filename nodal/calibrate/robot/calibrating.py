@@ -19,8 +19,8 @@ from nodal.calibrate.robot.leading import Leader
 from nodal.calibrate.robot.progress import Progress
 from nodal.calibrate.robot.results import RobotFound, axes_found, identify
 from nodal.calibrate.robot.wiring import Wiring, find_wiring
-from nodal.calibration.folder import calibration_folder
-from nodal.errors import CalibrationError, RobotStoppedError
+from nodal.calibration.folder import calibration_folder, save_json
+from nodal.errors import RobotStoppedError
 from nodal.processes.missing import NAMES, with_processes
 from nodal.running import stop_on_signals
 
@@ -164,9 +164,5 @@ def _identified(
 
 
 def _keep(bench: BenchFile, found: RobotFound) -> None:
-    file = calibration_folder(bench) / ROBOT
-    try:
-        file.write_bytes(msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
-    except OSError as error:
-        raise CalibrationError(f"{file}: cannot be written: {error.strerror}") from error
+    save_json(calibration_folder(bench) / ROBOT, found)
     edit_bench_file(bench.path, {"controller": {"identified": msgspec.to_builtins(found.identified)}})

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from calibration.camera_set import CameraSet
-from nodal.calibration.folder import cameras_in, save_cameras
+from nodal.calibration.folder import cameras_in, save_json
 from nodal.calibration.formats.calibration import Calibration, Choices, text_of
 from nodal.calibration_file import load_rig, save_rig
 from nodal.errors import CalibrationFileError
@@ -47,7 +47,7 @@ def write_rig(out: Path, calibration: Calibration) -> Calibration:
 
 def write_cameras(out: Path, calibration: Calibration) -> Calibration:
     """cameras.json; raises CalibrationFileError."""
-    save_cameras(out, calibration.cameras)
+    save_json(out, calibration.cameras)
     if calibration.rig_from_robot is None:
         return calibration
     return replace(calibration, notes=(*calibration.notes, "the robot frame is left out"))

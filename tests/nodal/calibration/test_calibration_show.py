@@ -12,7 +12,7 @@ from calibration.camera_set import CameraSet
 from messaging.frames import CameraCalibration
 from nodal.__main__ import main
 from nodal.bench_file import bench_path, load_bench
-from nodal.calibration.folder import save_cameras
+from nodal.calibration.folder import save_json
 from nodal.calibration.formats.calibration import Calibration
 from nodal.calibration.show.figures import MEASURED_PX, figures
 from nodal.calibration_file import save_rig
@@ -81,7 +81,7 @@ def test_a_bench_is_shown_with_what_is_known_of_its_exactness(tmp_path, capsys):
     first = msgspec.structs.replace(
         cameras.cameras[0], sigma={"fx_px": 0.5, "x_mm": 0.02}, rms_px=0.1, held_out_rms_px=0.2, views=12
     )
-    save_cameras(
+    save_json(
         tmp_path / "cameras.json", msgspec.structs.replace(cameras, cameras=(first, *cameras.cameras[1:]))
     )
     assert main(["calibration", "show", "--config", str(tmp_path / "bench.toml")]) == 0
