@@ -64,7 +64,7 @@ def test_one_device_for_two_cameras_is_refused(loaded, table):
         ("device", "video0", r"cameras\.right\.device"),
         ("controls", {"power_line_hz": 55}, r"controls\.power_line_hz = 55"),
         ("controls", {"exposure_s": 0}, r"controls\.exposure_s = 0"),
-        ("controls", {"zoom": 1}, "zoom"),
+        ("controls", {"iris": 1}, "iris"),
     ],
 )
 def test_a_value_that_cannot_be_is_named(loaded, table, key, value, message):

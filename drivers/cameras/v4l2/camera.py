@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivers.cameras.camera import CameraFrame
 from drivers.cameras.errors import CameraDeviceError, CameraLostError
+from drivers.cameras.v4l2.controls import in_settings
 from drivers.cameras.v4l2.device_files import lasting_names
 from drivers.cameras.v4l2.inspection import FaultReport, Inspection, PictureFault
 from drivers.cameras.v4l2.settings import V4l2CameraSettings
@@ -42,6 +43,7 @@ class V4l2Camera:
             stream = Stream(settings)
         except CameraDeviceError as error:
             raise type(error)(f"camera {name}: {error}") from error
+        self._held = stream.held
         self._tell_of(stream)
         if not Path(settings.device).is_symlink() and (lasting := lasting_names(Path(settings.device))):
             logger.warning(
@@ -91,7 +93,7 @@ class V4l2Camera:
         """The camera, as soon as it is there again and does what is asked; None when it is no longer wanted."""
         while not self._stop.wait(RETRY_S):
             try:
-                return Stream(self._settings)
+                return Stream(self._settings, self._held)
             except CameraDeviceError as error:
                 self._complain(str(error))
         return None
@@ -132,7 +134,7 @@ class V4l2Camera:
             self._told = problem
 
     def _tell_of(self, stream: Stream) -> None:
-        held = ", ".join(f"{key} {value:g}" for key, value in stream.held.items())
+        held = ", ".join(f"{key} {value:g}" for key, value in in_settings(stream.held).items())
         logger.info(
             "camera %s: %s, locked at %s", self._name, stream.card, held or "nothing, as it has no controls"
         )

@@ -6,10 +6,11 @@ Order matters: a camera refuses a value that it sets itself (V4L2 user-space API
 import dataclasses
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import msgspec
-from linuxpy.video.device import BaseMonoControl, ControlID, Device, MenuControl
+from linuxpy.video.device import BaseMonoControl, ControlID, ControlType, Device, MenuControl
 
 from drivers.cameras.errors import CameraControlError
 from drivers.cameras.v4l2.settings import V4l2Controls
@@ -17,6 +18,8 @@ from drivers.cameras.v4l2.settings import V4l2Controls
 ATTEMPTS = 3
 PAUSE_S = 0.05
 """Some cameras answer with an error, or with the value before, while they still work on the last order."""
+
+NUMBERED = {ControlType.INTEGER, ControlType.BOOLEAN, ControlType.MENU, ControlType.INTEGER_MENU}
 
 EXPOSURES_PER_S = 10_000
 MANUAL_EXPOSURE = 1
@@ -66,6 +69,9 @@ SETTINGS = {
     "brightness": ControlSetting(control=ControlID.BRIGHTNESS),
     "contrast": ControlSetting(control=ControlID.CONTRAST),
     "saturation": ControlSetting(control=ControlID.SATURATION),
+    "zoom": ControlSetting(control=ControlID.ZOOM_ABSOLUTE),
+    "pan": ControlSetting(control=ControlID.PAN_ABSOLUTE),
+    "tilt": ControlSetting(control=ControlID.TILT_ABSOLUTE),
 }
 
 
@@ -74,10 +80,13 @@ def setting_of(control: int) -> str | None:
     return next((key for key, setting in SETTINGS.items() if setting.control == control), None)
 
 
-def locked_controls(device: Device, wanted: V4l2Controls) -> dict[str, float]:
-    """Lock everything; what then holds, by the keys of [cameras.NAME.controls] and in their units.
+def locked_controls(
+    device: Device, wanted: V4l2Controls, before: Mapping[int, int] = MappingProxyType({})
+) -> dict[int, int]:
+    """Lock everything; what then holds, by control and in the camera's own numbers.
 
-    Raises CameraControlError naming the control, what was asked, what holds and what is allowed.
+    What the bench does not say becomes what it was `before`, when this camera was locked first: one that lost its power
+    has its factory's values. Raises CameraControlError naming the control, what was asked, what holds and what is allowed.
     """
     present = {
         control.id: control for control in device.controls.values() if isinstance(control, BaseMonoControl)
@@ -92,11 +101,31 @@ def locked_controls(device: Device, wanted: V4l2Controls) -> dict[str, float]:
             _lock(control, ControlSetting(control=number), control.config_name, max(off, control.minimum))
     for key, value in asked.items():
         _lock(present[SETTINGS[key].control], SETTINGS[key], key, value)
+    said = SWITCHED_OFF.keys() | {SETTINGS[key].control for key in asked}
+    for number, held in before.items():
+        if number in said:
+            continue
+        if number not in present:
+            lost = setting_of(number) or f"control {number:#x}"
+            raise CameraControlError(f"it has no {lost} any more: it is another camera than before")
+        if present[number].value != held:
+            _lock(present[number], ControlSetting(control=number), present[number].config_name, held)
+    return {number: int(control.value) for number, control in present.items() if _stays(control)}
+
+
+def in_settings(held: Mapping[int, int]) -> dict[str, float]:
+    """By the keys of [cameras.NAME.controls] and in their units, as far as they have one."""
     return {
-        key: setting.value(int(present[setting.control].value))
+        key: setting.value(held[setting.control])
         for key, setting in SETTINGS.items()
-        if setting.control in present
+        if setting.control in held
     }
+
+
+def _stays(control: BaseMonoControl) -> bool:
+    """Whether it holds what was set until it is set again."""
+    unset = control.is_flagged_write_only or control.is_flagged_volatile
+    return control.is_writeable and not unset and control.type in NUMBERED
 
 
 def _lock(control: BaseMonoControl, setting: ControlSetting, key: str, value: float) -> None:

@@ -9,7 +9,6 @@ from drivers.cameras.v4l2.settings import V4l2CameraSettings
 
 JPEG = PixelFormat.MJPEG.human_str()
 RATE_TOLERANCE = 0.01
-"""29.97 Hz is called 30 Hz."""
 
 
 def set_format(capture: VideoCapture, settings: V4l2CameraSettings) -> None:
@@ -26,7 +25,7 @@ def set_format(capture: VideoCapture, settings: V4l2CameraSettings) -> None:
             f"it offers {', '.join(f'{offer.width_px}x{offer.height_px}' for offer in offered)}"
         )
     granted_hz = _rate_hz(capture.set_fps(settings.rate_hz).parm.capture.timeperframe)
-    if abs(granted_hz - settings.rate_hz) > RATE_TOLERANCE * settings.rate_hz:
+    if not same_rate(granted_hz, settings.rate_hz):
         rates = [
             rate for offer in offered if (offer.width_px, offer.height_px) == asked for rate in offer.rates_hz
         ]
@@ -34,6 +33,11 @@ def set_format(capture: VideoCapture, settings: V4l2CameraSettings) -> None:
             f"asked for {settings.rate_hz:g} Hz, it grants {granted_hz:g}; "
             f"at {asked[0]}x{asked[1]} px it offers {', '.join(f'{rate:g}' for rate in rates)} Hz"
         )
+
+
+def same_rate(one_hz: float, other_hz: float) -> bool:
+    """29.97 Hz is called 30 Hz."""
+    return abs(one_hz - other_hz) <= RATE_TOLERANCE * other_hz
 
 
 def _rate_hz(interval: v4l2_fract) -> float:

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterator
 from pathlib import Path
 
-from linuxpy.video.device import Capability, Device
+from linuxpy.video.device import Capability, Device, V4L2Error
 
 from drivers.cameras.errors import CameraBusyError, CameraDeviceError
 from drivers.cameras.v4l2.device_files import first_name, picture_devices
@@ -39,7 +39,7 @@ def open_device(device: str) -> Device:
 
 @contextlib.contextmanager
 def device_errors(device: str) -> Iterator[None]:
-    """Say what the kernel refuses; raises CameraDeviceError, and CameraBusyError when another program has the camera."""
+    """Say what the kernel or linuxpy refuses; raises CameraDeviceError, CameraBusyError when another program has the camera."""
     try:
         yield
     except OSError as error:
@@ -50,6 +50,9 @@ def device_errors(device: str) -> Iterator[None]:
                 f"{device}: its USB bus has no room left for these pictures; plug each camera into a controller of its own"
             ) from error
         raise CameraDeviceError(f"{device}: {error.strerror or error}") from error
+    except (V4L2Error, ValueError, RuntimeWarning) as error:
+        # linuxpy's words for an answer of the driver that it makes no sense of
+        raise CameraDeviceError(f"{device}: its driver answers with what makes no sense: {error}") from error
 
 
 def _present() -> str:

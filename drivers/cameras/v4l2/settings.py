@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 
 Level = Annotated[int, msgspec.Meta(ge=-65_536, le=65_536)]
+ArcSeconds = Annotated[int, msgspec.Meta(ge=-648_000, le=648_000)]
 
 
 class V4l2Controls(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -26,6 +27,10 @@ class V4l2Controls(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     brightness: Level | None = None
     contrast: Level | None = None
     saturation: Level | None = None
+    zoom: Level | None = None
+    """Calibration holds for one zoom only, and for one pan and tilt, which cameras without motors cut out of the picture."""
+    pan: ArcSeconds | None = None
+    tilt: ArcSeconds | None = None
 
 
 class V4l2CameraSettings(

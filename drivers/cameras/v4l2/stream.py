@@ -3,11 +3,13 @@
 import contextlib
 import dataclasses
 import time
+from collections.abc import Mapping
+from types import MappingProxyType
 
 from linuxpy.video.device import BufferFlag, Frame, VideoCapture
 
 from drivers.cameras.errors import CameraFormatError
-from drivers.cameras.v4l2.controls import locked_controls
+from drivers.cameras.v4l2.controls import in_settings, locked_controls
 from drivers.cameras.v4l2.format import set_format
 from drivers.cameras.v4l2.opening import device_errors, open_device
 from drivers.cameras.v4l2.settings import V4l2CameraSettings
@@ -31,8 +33,10 @@ class Captured:
 class Stream:
     """A camera that streams with everything locked. Pictures begun before that are left out."""
 
-    def __init__(self, settings: V4l2CameraSettings) -> None:
-        """Raises CameraDeviceError."""
+    def __init__(
+        self, settings: V4l2CameraSettings, before: Mapping[int, int] = MappingProxyType({})
+    ) -> None:
+        """Controls that the settings do not mention become what they were `before`; raises CameraDeviceError."""
         self._device = settings.device
         self._opened = open_device(settings.device)
         self._capture = VideoCapture(self._opened, size=BUFFERS)
@@ -40,8 +44,9 @@ class Stream:
             with device_errors(settings.device):
                 set_format(self._capture, settings)
                 self._capture.open()
-                self.held = locked_controls(self._opened, settings.controls)
-                self._middle_ns = _middle_ns(self._capture, self.held.get("exposure_s", 0.0))
+                self.held = locked_controls(self._opened, settings.controls, before)
+                exposure_s = in_settings(self.held).get("exposure_s", 0.0)
+                self._middle_ns = _middle_ns(self._capture, exposure_s)
         except BaseException:
             self.close()
             raise

@@ -12,10 +12,12 @@ ENUMERATING = raw.ControlFlag.NEXT_CTRL | raw.ControlFlag.NEXT_COMPOUND
 
 
 class Controls:
-    """`refused` maps a control to the error number it answers with, `stubborn` one to the value that it always has."""
+    """What each is `described` as, and holds; `refused` maps a control to the error number it answers with, `stubborn` one to
+    the value that it always has.
+    """
 
     def __init__(self, described: Sequence[ControlDescription]) -> None:
-        self._described = {int(control.id): control for control in sorted(described, key=lambda one: one.id)}
+        self.described = {int(control.id): control for control in sorted(described, key=lambda one: one.id)}
         self.values: dict[int, int] = {}
         self.reset()
         self.refused: dict[int, int] = {}
@@ -23,16 +25,16 @@ class Controls:
 
     def reset(self) -> None:
         """As from the factory."""
-        self.values |= {number: control.default for number, control in self._described.items()}
+        self.values |= {number: control.default for number, control in self.described.items()}
 
     def query(self, asked: raw.v4l2_query_ext_ctrl) -> None:
         """VIDIOC_QUERY_EXT_CTRL."""
         if asked.id & ENUMERATING:
             control = next(
-                (one for number, one in self._described.items() if number > asked.id & ~ENUMERATING), None
+                (one for number, one in self.described.items() if number > asked.id & ~ENUMERATING), None
             )
         else:
-            control = self._described.get(asked.id)
+            control = self.described.get(asked.id)
         if control is None:
             raise _refusal(errno.EINVAL)
         asked.id, asked.type, asked.name = control.id, control.type, control.name.encode()
@@ -70,9 +72,9 @@ class Controls:
             self.values[control.id] = self.stubborn.get(control.id, value)
 
     def _known(self, number: int) -> ControlDescription:
-        if number not in self._described:
+        if number not in self.described:
             raise _refusal(errno.EINVAL)
-        return self._described[number]
+        return self.described[number]
 
     def _is_automatic(self, control: ControlDescription) -> bool:
         return control.automatic is not None and self.values[control.automatic] != control.manual

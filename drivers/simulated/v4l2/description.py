@@ -29,6 +29,11 @@ def _switch(control: ControlID, name: str, default: int) -> ControlDescription:
     return ControlDescription(id=control, name=name, maximum=1, default=default, type=CtrlType.BOOLEAN)
 
 
+def _turn(control: ControlID, name: str) -> ControlDescription:
+    """In seconds of arc."""
+    return ControlDescription(id=control, name=name, minimum=-36_000, maximum=36_000, step=3600, default=0)
+
+
 CONTROLS = (
     ControlDescription(id=ControlID.BRIGHTNESS, name="Brightness"),
     ControlDescription(id=ControlID.CONTRAST, name="Contrast"),
@@ -85,6 +90,8 @@ CONTROLS = (
     ControlDescription(
         id=ControlID.ZOOM_ABSOLUTE, name="Zoom, Absolute", minimum=100, maximum=500, default=100
     ),
+    _turn(ControlID.PAN_ABSOLUTE, "Pan, Absolute"),
+    _turn(ControlID.TILT_ABSOLUTE, "Tilt, Absolute"),
 )
 
 _UP_TO_30: tuple[float, ...] = (30, 24, 20, 15, 10, 7.5, 5)

@@ -11,7 +11,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Protocol
-from unittest.mock import patch
 
 import linuxpy.io
 import linuxpy.ioctl
@@ -48,8 +47,19 @@ def plugged_in(*cameras: StandInCamera) -> Iterator[Path]:
             (linuxpy.video.device, "mem_map", calls.mem_map),
             (device_files, "DEVICES", folder),
         ):
-            stack.enter_context(patch.object(target, name, substitute))
+            stack.enter_context(_in_place_of(target, name, substitute))
         yield folder
+
+
+@contextmanager
+def _in_place_of(target: Any, name: str, substitute: Any) -> Iterator[None]:
+    """Until the block is left."""
+    own = vars(target)[name]
+    setattr(target, name, substitute)
+    try:
+        yield
+    finally:
+        setattr(target, name, own)
 
 
 class _Calls:

@@ -23,10 +23,15 @@ def pictures():
 
 @pytest.fixture
 def impatient(monkeypatch):
-    """Nobody waits for seconds."""
+    """A stream without pictures is given up soon."""
     monkeypatch.setattr(driver, "START_S", 0.6)
     monkeypatch.setattr(driver, "STILL_S", 0.3)
     monkeypatch.setattr(driver, "STILL_PICTURES", 3)
+
+
+@pytest.fixture
+def soon_again(monkeypatch):
+    """A camera that was lost is looked for at once."""
     monkeypatch.setattr(driver, "RETRY_S", 0.02)
 
 

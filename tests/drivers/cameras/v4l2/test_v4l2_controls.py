@@ -22,6 +22,9 @@ WANTED = V4l2Controls(
     brightness=120,
     contrast=110,
     saturation=90,
+    zoom=120,
+    pan=-3600,
+    tilt=3600,
 )
 
 
@@ -38,6 +41,9 @@ def test_everything_is_set_and_all_that_works_by_itself_is_off(webcam, opened):
         "brightness": 120,
         "contrast": 110,
         "saturation": 90,
+        "zoom": 120,
+        "pan": -3600,
+        "tilt": 3600,
     }
     assert held[ControlID.EXPOSURE_AUTO] == 1
     for switch in (

@@ -49,7 +49,8 @@ def test_formats_and_controls_are_told_as_the_camera_has_them(webcam):
     assert exposure.in_setting(exposure.value) == 0.025
     assert controls["power_line_frequency"].menu == {0: "Disabled", 1: "50 Hz", 2: "60 Hz"}
     assert controls["power_line_frequency"].in_setting(2) == 60
-    assert (controls["zoom_absolute"].setting, controls["zoom_absolute"].in_setting(100)) == (None, 100)
+    backlight = controls["backlight_compensation"]
+    assert (backlight.setting, backlight.in_setting(1)) == (None, 1)
 
 
 def test_a_camera_that_another_program_uses_can_be_asked_all_the_same(webcam):

@@ -1,5 +1,6 @@
 """What a running camera survives: cables, corrupt pictures, frozen streams, clocks that go back."""
 
+import dataclasses
 import time
 
 import pytest
@@ -8,7 +9,7 @@ from linuxpy.video.raw import BufferFlag, ControlID
 from drivers.cameras import V4l2Controls
 from drivers.cameras.v4l2.inspection import PictureFault
 
-pytestmark = pytest.mark.usefixtures("impatient")
+pytestmark = pytest.mark.usefixtures("soon_again")
 
 
 def test_unplugged_in_the_middle_of_a_picture_and_back_under_another_number(
@@ -50,6 +51,43 @@ def test_a_camera_that_comes_back_as_another_one_is_waited_for_and_named(
     assert eventually(lambda: webcam.expose() or camera.read())
 
 
+def test_what_the_bench_does_not_say_is_afterwards_as_it_was_before(webcam, opened, taken, eventually):
+    was = {ControlID.GAIN: 77, ControlID.ZOOM_ABSOLUTE: 150, ControlID.SATURATION: 90}
+    webcam.controls.values |= was
+    camera = opened(webcam, controls=V4l2Controls(focus=40))
+    taken(webcam, camera)
+    webcam.pull_out()
+    webcam.plug_in()
+    assert webcam.controls.values[ControlID.GAIN] == 0
+    eventually(lambda: webcam.starts == 2 and webcam.controls.values.items() >= was.items())
+    assert webcam.controls.values[ControlID.FOCUS_ABSOLUTE] == 40
+
+
+def test_a_value_from_before_that_does_not_come_back_is_named(webcam, opened, taken, eventually, caplog):
+    webcam.controls.values[ControlID.ZOOM_ABSOLUTE] = 150
+    camera = opened(webcam)
+    taken(webcam, camera)
+    webcam.pull_out()
+    webcam.controls.stubborn[ControlID.ZOOM_ABSOLUTE] = 100
+    webcam.plug_in()
+    eventually(lambda: "zoom_absolute: asked for 150, the camera holds 100" in caplog.text)
+    assert camera.read() is None
+    del webcam.controls.described[ControlID.ZOOM_ABSOLUTE]
+    eventually(lambda: "it has no zoom any more: it is another camera than before" in caplog.text)
+
+
+def test_a_driver_that_answers_nonsense_is_named_and_waited_for(webcam, opened, taken, eventually, caplog):
+    camera = opened(webcam)
+    taken(webcam, camera)
+    webcam.pull_out()
+    contrast = webcam.controls.described[ControlID.CONTRAST]
+    webcam.controls.described[ControlID.CONTRAST] = dataclasses.replace(contrast, maximum=2**40)
+    webcam.plug_in()
+    eventually(lambda: "its driver answers with what makes no sense: Control contrast" in caplog.text)
+    webcam.controls.described[ControlID.CONTRAST] = contrast
+    assert eventually(lambda: webcam.expose() or camera.read())
+
+
 @pytest.mark.parametrize(
     ("spoil", "fault"),
     [
@@ -74,12 +112,13 @@ def test_zeros_behind_a_picture_are_no_fault(webcam, opened, taken):
     assert taken(webcam, opened(webcam), picture=padded).jpeg == padded
 
 
+@pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("repeating", [False, True])
 def test_a_frozen_stream_is_started_anew(running_webcam, opened, eventually, caplog, repeating):
     camera = opened(running_webcam)
     eventually(camera.read)
     running_webcam.hang(repeating=repeating)
-    eventually(lambda: running_webcam.starts == 2)
+    eventually(lambda: running_webcam.starts > 1)
     while camera.read() is not None:
         pass
     assert eventually(camera.read).jpeg in running_webcam.buffers.sent.values()
@@ -87,9 +126,10 @@ def test_a_frozen_stream_is_started_anew(running_webcam, opened, eventually, cap
     assert ("only such as were the same as the one before" in caplog.text) == repeating
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_camera_that_gives_nothing_at_all_is_started_again_and_again_but_said_once(
     webcam, opened, eventually, caplog
 ):
     opened(webcam)
-    eventually(lambda: webcam.starts == 3)
+    eventually(lambda: webcam.starts > 2)
     assert caplog.text.count("no good picture for 0.6 s") == 1
