@@ -17,7 +17,7 @@ from drivers.cameras.files.settings import (
     RecordingCameraSettings,
 )
 from drivers.cameras.opening import open_cameras
-from drivers.cameras.pairing import FrameSet, FrameSetPairing
+from drivers.cameras.pairing import FrameSet, FrameSetPairing, worst_skew_periods
 from drivers.cameras.pairing_report import PairingReport
 from drivers.cameras.settings import CameraSettings, SimulatedCameraSettings
 from drivers.cameras.silence import SilenceWatch
@@ -46,4 +46,5 @@ __all__ = [
     "V4l2CameraSettings",
     "V4l2Controls",
     "open_cameras",
+    "worst_skew_periods",
 ]

@@ -22,6 +22,15 @@ LEAST_CAMERAS = 2
 NS_PER_S = 1e9
 
 
+def worst_skew_periods(cameras: int) -> float:
+    """How far apart in time, in periods of a frame, sets of so many cameras at the same rate can be at worst.
+
+    The cameras' moments divide a period into as many gaps as there are cameras; the largest, which a set goes around, is
+    shortest when all are the same.
+    """
+    return 1 - 1 / cameras
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FrameSet:
     """One frame of each camera that is not absent, in the cameras' order."""
@@ -49,6 +58,7 @@ class FrameSetPairing:
     """
 
     def __init__(self, names: Sequence[str], maximum_skew_s: float) -> None:
+        self.names = tuple(names)
         self.maximum_skew_s = maximum_skew_s
         self._maximum_skew_ns = maximum_skew_s * NS_PER_S
         self._waiting: dict[str, deque[CameraFrame]] = {name: deque() for name in names}

@@ -2,7 +2,7 @@
 
 import logging
 
-from drivers.cameras.pairing import FrameSet, FrameSetPairing
+from drivers.cameras.pairing import FrameSet, FrameSetPairing, worst_skew_periods
 
 logger = logging.getLogger(__name__)
 
@@ -45,9 +45,10 @@ class PairingReport:
     def _sets(self) -> str:
         allowed = f"{MS_PER_S * self._pairing.maximum_skew_s:g} ms are allowed"
         if not self._skews_s:
+            worst = worst_skew_periods(len(self._pairing.names))
             return (
-                f"no frame set, for the cameras' frames lie too far apart ({allowed}): start one camera anew, "
-                "or let sensing.maximum_skew_s be half a frame's period"
+                f"no frame set, for the cameras' frames lie too far apart ({allowed}): let sensing.maximum_skew_s be "
+                f"{100 * worst:.0f} % of a frame's period, which is the worst that comes about, or start one camera anew"
             )
         mean_ms = MS_PER_S * sum(self._skews_s) / len(self._skews_s)
         return (

@@ -13,6 +13,7 @@ from drivers.cameras import (
     CameraSettings,
     FolderCameraSettings,
     V4l2CameraSettings,
+    worst_skew_periods,
 )
 from drivers.cameras.v4l2.camera import V4l2Camera
 from nodal.bench_editing import edit_bench_file
@@ -92,8 +93,11 @@ def _together(
 ) -> list[Finding]:
     if any(isinstance(settings, WITHOUT_CLOCK) for settings in chosen.values()):
         return []
-    skews = skews_s(frames)
-    return [finding_on_skew(skews, bench.settings.sensing.maximum_skew_s)] if skews else []
+    skews, timing = skews_s(frames), timing_of(next(iter(frames.values())))
+    if not skews or timing is None:
+        return []
+    free_s = worst_skew_periods(len(frames)) / timing.rate_hz
+    return [finding_on_skew(skews, bench.settings.sensing.maximum_skew_s, free_s)]
 
 
 def _calibrated_sizes(bench: BenchFile) -> dict[str, tuple[int, int]]:

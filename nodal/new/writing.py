@@ -27,6 +27,10 @@ TO_FILL_IN = {
     "pulleys": "ids, the pulleys' radii, and how far each servo may pull and how hard",
     "stage": "id, lead, travel and zero",
 }
+SKEW = """\
+# Webcams run freely, so two at 30 Hz take their pictures up to half a period apart; three up to two thirds, 0.023.
+maximum_skew_s = 0.017
+"""
 _PORTS = range(20_000, 32_000)  # below those that are given to outgoing connections
 _DIGITS = 6
 
@@ -42,6 +46,7 @@ def write_real(folder: Path) -> Path:
         folder,
         what="A bench with two webcams, a robot of two sections, and its servos.",
         cameras=_filled("real_cameras.toml", marks),
+        skew=SKEW,
         board_at_base=f"# Only where there is a fixture for the board:\n{at_base}",
         port="/dev/serial/by-id/FILL-IN",
         simulation="",
@@ -57,6 +62,7 @@ def write_simulated(folder: Path, seed: int) -> Path:
         folder,
         what=f"A simulated bench as it comes out of its box, number {seed}.",
         cameras=_text("simulated_cameras.toml"),
+        skew="",
         board_at_base=_text("board_at_base.toml"),
         port="servos",
         simulation=_text("simulation.toml")

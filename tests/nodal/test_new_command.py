@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.cameras import worst_skew_periods
 from drivers.simulated.cameras.rig import default_cameras
 from nodal.__main__ import _parser, main
 from nodal.bench_file import read_bench
@@ -35,6 +36,8 @@ def test_a_real_bench_says_what_to_fill_in_and_agrees_with_itself(new):
     assert settings.board.at_base is None
     assert all("FILL-IN" in camera.device for camera in settings.cameras.values())
     assert text.count(f"# {MARK}: ") == 6
+    period_s = 1 / max(camera.rate_hz for camera in settings.cameras.values())
+    assert settings.sensing.maximum_skew_s >= worst_skew_periods(len(settings.cameras)) * period_s
     steps = said.out.splitlines()[1:]
     assert [step.split()[2] for step in steps if "calibrate" in step] == [
         "board",

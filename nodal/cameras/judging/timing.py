@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.cameras import CameraFrame
+from drivers.cameras import CameraFrame, worst_skew_periods
 
 NS_PER_S = 1e9
-REACH = 0.55
-"""Of a period: half of it, and a little for times that tremble."""
+TREMBLING = 0.05
+"""By so much of a period times may be off."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,15 +31,19 @@ def timing_of(frames: Sequence[CameraFrame]) -> Timing | None:
 
 
 def skews_s(frames: Mapping[str, Sequence[CameraFrame]]) -> list[float]:
-    """How far apart each frame of the first camera and the frames nearest to it of every other lie, in s.
+    """How far apart the frames lie, in s, of the closest set that each frame of the first camera can be in.
 
-    A frame without another camera's within half a period, where that one's was lost or had not begun, does not count.
+    A frame counts not that is in none as close as cameras come at worst: another camera's was lost, or had not begun.
     """
-    first, *others = (np.array([frame.capture_monotonic_ns for frame in those]) for those in frames.values())
+    times_ns = [np.array([frame.capture_monotonic_ns for frame in those]) for those in frames.values()]
     timing = timing_of(next(iter(frames.values())))
-    if timing is None or not others or not all(len(those) for those in others):
+    if timing is None or len(times_ns) < 2:
         return []
-    nearest = np.array([[those[np.abs(those - time).argmin()] for those in others] for time in first])
-    apart_ns = np.abs(nearest - first[:, None]).max(axis=1)
-    sets = np.column_stack([first, nearest])[apart_ns <= REACH * NS_PER_S / timing.rate_hz]
-    return [float(span_ns / NS_PER_S) for span_ns in np.ptp(sets, axis=1)]
+    closest_ns: dict[int, int] = {}
+    for begin_ns in np.concatenate(times_ns):
+        following = [those[those >= begin_ns] for those in times_ns]
+        if all(map(len, following)):
+            first_ns, span_ns = int(following[0][0]), int(max(those[0] for those in following) - begin_ns)
+            closest_ns[first_ns] = min(span_ns, closest_ns.get(first_ns, span_ns))
+    allowed_ns = (worst_skew_periods(len(times_ns)) + TREMBLING) * NS_PER_S / timing.rate_hz
+    return [span_ns / NS_PER_S for span_ns in closest_ns.values() if span_ns <= allowed_ns]

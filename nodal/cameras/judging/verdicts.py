@@ -4,6 +4,8 @@ import enum
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from nodal.cameras.judging.measuring import Look
 from nodal.cameras.judging.timing import Timing
 from sensing.pictures.segmentation import CONTRAST_SHARE, NOISE_FACTOR
@@ -167,8 +169,8 @@ def finding_on_timing(timing: Timing, asked_hz: float | None) -> Finding:
     return Finding(subject="rate", verdict=Verdict.GOOD, words=words)
 
 
-def finding_on_skew(skews_s: Sequence[float], maximum_skew_s: float) -> Finding:
-    """Whether pictures of several cameras are taken together closely enough."""
+def finding_on_skew(skews_s: Sequence[float], maximum_skew_s: float, free_s: float) -> Finding:
+    """Whether pictures of several cameras are taken together closely enough; `free_s` is the worst of cameras that drift."""
     worst_s = max(skews_s)
     words = f"pictures that belong together are up to {1e3 * worst_s:.1f} ms apart"
     if worst_s <= maximum_skew_s / 2:
@@ -177,7 +179,8 @@ def finding_on_skew(skews_s: Sequence[float], maximum_skew_s: float) -> Finding:
     if worst_s <= maximum_skew_s:
         advice = "move the robot slowly, or take a higher rate; cameras drift against each other"
         return Finding(subject="skew", verdict=Verdict.FAIR, words=f"{words}; {allowed}", advice=advice)
-    advice = "a higher rate, or a larger sensing.maximum_skew_s; half a period is the worst that comes about"
+    enough_ms = np.ceil(1e3 * free_s)
+    advice = f"sensing.maximum_skew_s = {enough_ms / 1e3:g}, which is the worst that comes about; a higher rate makes it less"
     return Finding(subject="skew", verdict=Verdict.POOR, words=f"{words}; {allowed}", advice=advice)
 
 

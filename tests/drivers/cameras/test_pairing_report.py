@@ -64,6 +64,6 @@ def test_cameras_that_never_meet_are_said_to(bench, caplog):
     run(bench, range(40), 16 * MS)
     bench[1].tell(FIRST_S)
     assert (
-        "no frame set, for the cameras' frames lie too far apart (12 ms are allowed): start one camera anew"
+        "no frame set, for the cameras' frames lie too far apart (12 ms are allowed): let sensing.maximum_skew_s be 50 %"
         in caplog.text
     )
