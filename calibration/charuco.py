@@ -12,8 +12,10 @@ from messaging.board import BoardSettings
 CLEAR = 0.6
 """How much of the white between an edge and the nearest marker is used; the rest is the blur of the marker's edge."""
 MOST_NAMED = 4
+MOST_MISPLACED = 1 / 6
+"""Of the board's own markers: things that look like one are rare, and with fewer than five others nobody can tell which it is."""
 MOST_OFF = 0.25
-"""Squares: what tells a lens from another layout, whose markers are off by whole squares."""
+"""Squares: what tells a lens from a marker in another place, which is off by whole squares."""
 MOST_SHARE_ERROR, OUTLINE_PX = 0.05, 1.5
 """In squares; and how exactly the outlines of markers are found."""
 
@@ -60,15 +62,25 @@ class Charuco:
             np.reshape(outlines, (-1, 4, 2)).astype(np.float64),
         )
         columns, rows = self._settings.squares
-        strange = sorted(int(one) for one in markers if one >= len(self._outlines))
-        if strange:
+        own = markers < len(self._outlines)
+        if np.count_nonzero(own) < np.count_nonzero(~own):
+            strange = sorted(map(int, markers[~own]))
             named = ", ".join(map(str, strange[:MOST_NAMED])) + (", ..." if len(strange) > MOST_NAMED else "")
             return Missing(
                 f"markers of another board: id {named}; those of this one go up to {len(self._outlines) - 1}"
             )
-        if len(markers) >= 4 and self._scattered(markers, outlines_px):
+        placed = own.copy()
+        placed[own] = self._placed(markers[own], outlines_px[own])
+        if np.count_nonzero(own & ~placed) > MOST_MISPLACED * np.count_nonzero(own):
             return Missing(
                 f"another layout: the markers do not lie as on a board of {columns} x {rows} squares"
+            )
+        if not placed.all():
+            markers, outlines_px = markers[placed], outlines_px[placed]
+            px, ids, _, _ = self._detector.detectBoard(
+                grey,
+                markerCorners=list(outlines_px[:, None].astype(np.float32)),
+                markerIds=markers.astype(np.int32),
             )
         if ids is None or len(ids) < 4:
             return Missing(f"{len(markers)} markers are in sight, with hardly a corner between two of them")
@@ -84,14 +96,13 @@ class Charuco:
             )
         return found
 
-    def _scattered(self, markers: NDArray[np.int64], outlines_px: Array) -> bool:
-        """Whether the markers' centres, in squares, are no picture of where the board has them."""
-        centres = self._outlines[markers].mean(axis=1)
-        board_from_picture = homography(outlines_px.mean(axis=1), centres)
-        if board_from_picture is None:
-            return False
-        off = np.linalg.norm(mapped(board_from_picture, outlines_px.mean(axis=1)) - centres, axis=1)
-        return bool(np.median(off) > MOST_OFF)
+    def _placed(self, markers: NDArray[np.int64], outlines_px: Array) -> NDArray[np.bool_]:
+        """Which markers (n,) lie to one another as on the board; all, where too few or those of one line cannot tell."""
+        centres_px, centres = outlines_px.mean(axis=1), self._outlines[markers].mean(axis=1)
+        if homography(centres_px, centres) is None:
+            return np.ones(len(markers), np.bool_)
+        _, placed = cv2.findHomography(centres_px, centres, cv2.RANSAC, MOST_OFF)
+        return np.asarray(placed, np.bool_).ravel()
 
     def _marker_share(self, ids: NDArray[np.int64], px: Array, outlines_px: Array) -> float | None:
         """How wide the markers are, in squares; None where corners in a line do not tell."""

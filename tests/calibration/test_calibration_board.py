@@ -21,6 +21,13 @@ def true_px(camera, board, rig_from_board, ids):
     return camera.project(points_mm)
 
 
+def stuck_on(marker):
+    """84 x 84 px"""
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    printed = np.pad(cv2.aruco.generateImageMarker(dictionary, marker, 60), 12, constant_values=255)
+    return (30 + 0.7 * printed).astype(np.uint8)
+
+
 @pytest.mark.parametrize("printed", [CHARUCO, CHESSBOARD], ids=["charuco", "chessboard"])
 def test_corners_lie_where_they_are_in_pixel_centre_coordinates(small_camera, render, held, printed):
     board, pose = Board(printed), held(printed)
@@ -79,7 +86,10 @@ def test_a_chessboard_is_numbered_from_the_same_corner_however_it_is_turned(
 @pytest.mark.parametrize(
     ("shown", "reason"),
     [
-        (BoardSettings(squares=(10, 8)), "markers of another board: id 31"),
+        (
+            BoardSettings(squares=(10, 8)),
+            "another layout: the markers do not lie as on a board of 9 x 7 squares",
+        ),
         (
             BoardSettings(squares=(8, 6)),
             "another layout: the markers do not lie as on a board of 9 x 7 squares",
@@ -95,6 +105,24 @@ def test_another_board_is_named_as_what_it_is(small_camera, render, held, shown,
     found = Board(CHARUCO).find(render(small_camera, shown, held(shown)))
     assert isinstance(found, Missing)
     assert reason in found.reason
+
+
+@pytest.mark.parametrize("marker", [40, 3], ids=["foreign", "like one of its own"])
+def test_one_marker_more_in_the_picture_does_no_harm(small_camera, render, held, marker):
+    board, pose = Board(CHARUCO), held(CHARUCO)
+    picture = render(small_camera, CHARUCO, pose)
+    alone = board.find(picture)
+    picture[10:94, 800:884] = stuck_on(marker)
+    found = board.find(picture)
+    assert found.ids.tolist() == alone.ids.tolist()
+    np.testing.assert_allclose(found.px, alone.px, atol=1e-3)
+
+
+def test_markers_of_another_board_are_named_when_they_are_the_more(small_camera):
+    picture = np.full((540, 960), 110, np.uint8)
+    for number, marker in enumerate((3, 40, 44)):
+        picture[200:284, 100 + 200 * number : 184 + 200 * number] = stuck_on(marker)
+    assert "markers of another board: id 40, 44" in Board(CHARUCO).find(picture).reason
 
 
 def test_too_few_corners_are_no_view(small_camera, render, held):
