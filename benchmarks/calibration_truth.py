@@ -53,13 +53,15 @@ def camera_lines(found: CameraSet, true: Sequence[CameraCalibration]) -> Iterato
         )
     within = np.mean(np.abs(z_scores) < Z_LIMIT)
     yield f"truth within 95 % bounds: {100 * within:.0f} % of {len(z_scores)} parameters, RMS z {_rms(np.array(z_scores)):.2f}"
-    shape = ", ".join(f"{name.removesuffix('_mm')} {1e3 * mm:+.2f}" for name, mm in found.board_shape.items())
-    yield f"the board's shape, um: {shape}"
+    shape = ", ".join(
+        f"{name.removesuffix('_mm')} {1e3 * amount:+.2f}" for name, amount in found.board_shape.items()
+    )
+    yield f"the board's shape, um and per mille: {shape}"
     if found.board_check is not None:
         check = found.board_check
         yield (
-            f"the board's squares in held-out views: {check.squares} sides, {1e3 * check.mean_error_mm:+.2f} um on average, "
-            f"{1e3 * check.rms_error_mm:.2f} um RMS; flat within {1e3 * check.flatness_mm:.2f} um"
+            f"the board in held-out views: {check.squares} sides, {1e3 * check.mean_error_mm:+.2f} um on average, "
+            f"{1e3 * check.rms_error_mm:.2f} um RMS; corners {1e3 * check.surface_error_mm:.2f} um RMS off its surface"
         )
 
 

@@ -30,6 +30,14 @@ class Finder(Protocol):
         """Ids (n,) and pixels (n, 2) to start from, or the reason why there are none."""
 
 
+def corners_mm(settings: BoardSettings) -> Array:
+    """All inner corners (n, 3) of a board that is flat and true, along its rows."""
+    columns, rows = settings.squares
+    right, down = np.meshgrid(np.arange(1.0, columns), np.arange(1.0, rows))
+    flat = np.column_stack([right.ravel(), down.ravel(), np.zeros(right.size)])
+    return np.asarray(settings.square_mm * flat)
+
+
 class Board:
     """A ChArUco board or a plain chessboard, in OpenCV's board frame: origin at the top left corner of the squares, z into it.
 
@@ -41,9 +49,7 @@ class Board:
     def __init__(self, settings: BoardSettings) -> None:
         self.settings = settings
         self.columns, self.rows = settings.squares[0] - 1, settings.squares[1] - 1
-        right, down = np.meshgrid(np.arange(1, self.columns + 1.0), np.arange(1, self.rows + 1.0))
-        flat = np.column_stack([right.ravel(), down.ravel(), np.zeros(right.size)])
-        self.points_mm: Array = settings.square_mm * flat
+        self.points_mm = corners_mm(settings)
         self._finder: Finder = Charuco(settings) if settings.kind == "charuco" else Chessboard(settings)
 
     def find(self, picture: Picture) -> Corners | Missing:

@@ -94,7 +94,7 @@ def _residuals(rig: Rig, observations: Sequence[Observation]) -> list[Array]:
 def _cost(rig: Rig, observations: Sequence[Observation], prior: Prior, noise_px: Array) -> float:
     """Huber's loss of all corners and the squares of what the prior says; infinite behind a camera."""
     cost = float(
-        np.sum((rig.intrinsics / prior.intrinsics) ** 2) + np.sum((rig.board.mm / prior.board_mm) ** 2)
+        np.sum((rig.intrinsics / prior.intrinsics) ** 2) + np.sum((rig.board.amounts / prior.board) ** 2)
     )
     for one, residual_px in zip(observations, _residuals(rig, observations), strict=True):
         sigmas = np.linalg.norm(residual_px, axis=1) / noise_px[one.camera]
@@ -107,7 +107,7 @@ def _noise(rig: Rig, observations: Sequence[Observation]) -> Array:
     """The noise (c,) of a coordinate: robust, and free of what the unknowns have swallowed."""
     residuals = _residuals(rig, observations)
     found = 2 * sum(map(len, residuals))
-    unknowns = PER_CAMERA * len(rig.intrinsics) - 6 + len(rig.board.mm) + 6 * len(rig.rig_from_board)
+    unknowns = PER_CAMERA * len(rig.intrinsics) - 6 + len(rig.board.amounts) + 6 * len(rig.rig_from_board)
     swallowed = max(1.0 - unknowns / found, 0.1)
     noise = np.full(len(rig.intrinsics), LEAST_NOISE_PX)
     for camera in range(len(noise)):

@@ -38,6 +38,8 @@ class CalibratedCamera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     views: int = 0
     rms_px: float | None = None
     held_out_rms_px: float | None = None
+    empty_ninths: int | None = None
+    """How many ninths of its picture hardly a corner was seen in."""
 
     @classmethod
     def of(cls, camera: CameraCalibration, camera_from_rig: Array) -> "CalibratedCamera":
@@ -65,15 +67,18 @@ class CalibratedCamera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
 
 class BoardCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The board's own squares, measured in 3-D from all cameras that see them at once, in views that were held out."""
+    """The board, measured in 3-D from all cameras that see it at once, in views that were held out, against its shape as it was solved for.
+
+    It says what space is like to these cameras, not how large: that was solved for with the same squares.
+    """
 
     squares: int
     """How many sides of squares were measured."""
     mean_error_mm: float
-    """Measured minus printed: an error of scale."""
     rms_error_mm: float
-    flatness_mm: float
-    """RMS distance of the measured corners from their plane."""
+    """Of the length of a side, measured minus solved for."""
+    surface_error_mm: float
+    """RMS distance of the measured corners from the board's surface."""
 
 
 class CameraSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -86,9 +91,11 @@ class CameraSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     views_used: int = 0
     views_rejected: dict[str, str] = {}
     """Why, by the name of the view."""
+    missing: tuple[str, ...] = ()
+    """What the views that were used did not show, in words (calibration/coverage.py)."""
     board_check: BoardCheck | None = None
     board_shape: dict[str, float] = {}
-    """How the board differs from a flat and true one, in mm at its outermost corners (calibration/rig.py: SHAPE)."""
+    """How the board differs from a flat and true one (calibration/rig.py: SHAPE)."""
 
     @classmethod
     def of_rig(cls, rig: Sequence[CameraCalibration]) -> "CameraSet":

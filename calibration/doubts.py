@@ -34,6 +34,11 @@ def check(names: Sequence[str], sizes: Mapping[str, Size], solved: Adjusted) -> 
         names, solved.rig.intrinsics, sigmas, solved.noise_px, strict=True
     ):
         width, height = sizes[name]
+        if noise_px > MOST_NOISE_PX:
+            raise ViewsError(
+                f"camera {name}: no camera fits the views better than to {noise_px:.1f} px, at most {MOST_NOISE_PX:g} px is "
+                "allowed: is the board flat, its squares all alike, and the lens no fisheye?"
+            )
         relative = float(np.max(sigma[:2] / np.abs(intrinsics[:2])))
         if not relative <= MOST_FOCAL:
             raise ViewsError(
@@ -45,11 +50,6 @@ def check(names: Sequence[str], sizes: Mapping[str, Size], solved: Adjusted) -> 
             raise ViewsError(
                 f"camera {name}: the views leave the principal point open by {_percent(off)} of the picture's width, at most "
                 f"{MOST_CENTRE:.0%} is allowed; {SOLIDLY_TILTED}"
-            )
-        if noise_px > MOST_NOISE_PX:
-            raise ViewsError(
-                f"camera {name}: no camera fits the views better than to {noise_px:.1f} px, at most {MOST_NOISE_PX:g} px is "
-                "allowed: is the board flat, its squares all alike, and the lens no fisheye?"
             )
         fx, fy, cx, cy = intrinsics[:4]
         if not (fx > 0 and fy > 0 and 0 < cx < width and 0 < cy < height and 0.8 < fx / fy < 1.25):

@@ -76,13 +76,13 @@ class Equations:
 def equations(rig: Rig, observations: Sequence[Observation], prior: Prior, noise_px: Array) -> Equations:
     """The equations at a rig, for corners as exact as `noise_px` (c,) of their camera."""
     cameras = PER_CAMERA * len(rig.intrinsics)
-    unknowns, views = cameras + len(rig.board.mm), len(rig.rig_from_board)
+    unknowns, views = cameras + len(rig.board.amounts), len(rig.rig_from_board)
     values = np.zeros(unknowns)
     values[:cameras].reshape(-1, PER_CAMERA)[:, :9] = rig.intrinsics
-    values[cameras:] = rig.board.mm
+    values[cameras:] = rig.board.amounts
     known = np.zeros(unknowns)
     known[:cameras].reshape(-1, PER_CAMERA)[:, :9] = prior.intrinsics**-2.0
-    known[cameras:] = prior.board_mm**-2.0
+    known[cameras:] = prior.board**-2.0
     result = Equations(
         common=np.zeros((views, unknowns, unknowns)),
         common_slope=np.zeros((views, unknowns)),
@@ -112,7 +112,7 @@ def _linearised(rig: Rig, one: Observation, noise_px: float) -> tuple[Array, Arr
     px, by_point, by_intrinsics = project(rig.intrinsics[one.camera], transformed(camera_from_rig, at_rig_mm))
     by_rig_point = by_point @ camera_from_rig[:3, :3]
     by_common = [by_intrinsics, by_point @ by_pose(camera_from_rig, at_rig_mm)]
-    if len(rig.board.mm):
+    if len(rig.board.amounts):
         by_common.append(by_rig_point @ rig_from_board[:3, :3] @ rig.board.modes[one.ids])
     off_px = one.px - px
     weight = np.sqrt(huber_weights(off_px / noise_px))[:, None, None] / noise_px

@@ -37,7 +37,7 @@ def hold_out(board: Board, solved: Adjusted, observations: Sequence[Observation]
     """
     errors: list[list[Array]] = [[] for _ in solved.noise_px]
     sides: list[Array] = []
-    heights: list[Array] = []
+    surface: list[Array] = []
     for held in _folds(observations):
         kept = [one for one in observations if one.view not in held]
         rig = adjust(solved.rig, kept, prior, solved.noise_px).rig
@@ -47,11 +47,11 @@ def hold_out(board: Board, solved: Adjusted, observations: Sequence[Observation]
                 errors[one.camera].append(
                     _predicted_off(rig, one, [other for other in seen if other is not one])
                 )
-            for points_mm in _measured(board, rig, seen):
-                sides.append(_sides_mm(points_mm))
-                heights.append(_heights_mm(points_mm))
-    rms = [float(np.sqrt(np.mean(np.concatenate(one) ** 2))) if one else float("nan") for one in errors]
-    return HeldOut(np.array(rms), _check(board, sides, heights))
+            for grid_mm in _measured(board, rig, seen):
+                sides.append(_sides_off_mm(grid_mm, rig.board.points_mm.reshape(grid_mm.shape)))
+                surface.append(_surface_off_mm(grid_mm.reshape(-1, 3), rig.board.points_mm))
+    rms = [_rms(np.concatenate(one)) if one else float("nan") for one in errors]
+    return HeldOut(np.array(rms), _check(sides, surface))
 
 
 def _folds(observations: Sequence[Observation]) -> Iterator[set[int]]:
@@ -92,25 +92,36 @@ def _measured(board: Board, rig: Rig, seen: Sequence[Observation]) -> Iterator[A
     yield grid.reshape(board.rows, board.columns, 3)
 
 
-def _sides_mm(grid_mm: Array) -> Array:
-    lengths = [np.linalg.norm(np.diff(grid_mm, axis=axis), axis=2).ravel() for axis in (0, 1)]
-    return np.concatenate([one[np.isfinite(one)] for one in lengths])
+def _sides_off_mm(measured_mm: Array, solved_mm: Array) -> Array:
+    """How much longer sides of squares are in one grid of corners (rows, columns, 3) than in the other, where both are known."""
+    off = [(_lengths(measured_mm, axis) - _lengths(solved_mm, axis)).ravel() for axis in (0, 1)]
+    return np.concatenate([one[np.isfinite(one)] for one in off])
 
 
-def _heights_mm(grid_mm: Array) -> Array:
-    points_mm = grid_mm.reshape(-1, 3)
-    points_mm = points_mm[np.isfinite(points_mm[:, 0])]
-    away = points_mm - points_mm.mean(axis=0)
-    return np.asarray(away @ np.linalg.svd(away, full_matrices=False)[2][2])
+def _lengths(grid_mm: Array, axis: int) -> Array:
+    return np.asarray(np.linalg.norm(np.diff(grid_mm, axis=axis), axis=2))
 
 
-def _check(board: Board, sides: Sequence[Array], heights: Sequence[Array]) -> BoardCheck | None:
-    errors = np.concatenate([*sides, np.empty(0)]) - board.settings.square_mm
-    if not len(errors):
+def _surface_off_mm(measured_mm: Array, solved_mm: Array) -> Array:
+    """How far corners (n, 3) are above the board, which is laid onto them as well as a rigid body can be (Kabsch)."""
+    known = np.isfinite(measured_mm[:, 0])
+    measured, solved = (points[known] - points[known].mean(axis=0) for points in (measured_mm, solved_mm))
+    left, _, right = np.linalg.svd(measured.T @ solved)
+    left[:, 2] *= np.linalg.det(left @ right)
+    return np.asarray((measured @ left @ right - solved)[:, 2])
+
+
+def _check(sides: Sequence[Array], surface: Sequence[Array]) -> BoardCheck | None:
+    if not sides:
         return None
+    off_mm = np.concatenate(sides)
     return BoardCheck(
-        squares=len(errors),
-        mean_error_mm=float(errors.mean()),
-        rms_error_mm=float(np.sqrt(np.mean(errors**2))),
-        flatness_mm=float(np.sqrt(np.mean(np.concatenate(heights) ** 2))),
+        squares=len(off_mm),
+        mean_error_mm=float(off_mm.mean()),
+        rms_error_mm=_rms(off_mm),
+        surface_error_mm=_rms(np.concatenate(surface)),
     )
+
+
+def _rms(off: Array) -> float:
+    return float(np.sqrt(np.mean(off**2)))

@@ -9,37 +9,51 @@ from numpy.typing import NDArray
 
 from calibration.corners import Array
 
-SHAPE = ("bend_x_mm", "bend_y_mm", "twist_mm", "stretch_mm", "shear_mm")
-"""How a printed board differs from what it should be: bent out of its plane along its sides and across its corners, and printed
-longer one way than the other, or askew. Its size as a whole cannot be seen, and is what was measured on the paper."""
+SHAPE = ("bend_x_mm", "bend_y_mm", "twist_mm", "stretch", "shear")
+"""How a printed board differs from what it should be: bent out of its plane along its sides and across its corners, by so much at
+the outermost ones; and its y axis longer than it should be (`stretch`) and leaning over to x (`shear`), as shares of y.
+
+Its size as a whole cannot be seen. Lengths along x are those that a ruler measured on the paper, and its origin stays where it is.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class BoardShape:
-    """The board as it is: `modes` (n, 3, k) are how far each corner goes for one mm of each of `mm` (k,)."""
+    """The board as it is: corners that should be at `drawn_mm` (n, 3) go by `modes` (n, 3, k) for one of each of `amounts` (k,)."""
 
-    mm: Array = field(default_factory=lambda: np.zeros(0))
+    amounts: Array = field(default_factory=lambda: np.zeros(0))
     modes: Array = field(default_factory=lambda: np.zeros((0, 3, 0)))
+    drawn_mm: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @classmethod
-    def of(cls, points_mm: Array, known_mm: Mapping[str, float] = MappingProxyType({})) -> "BoardShape":
-        """Any shape that SHAPE names of a board with corners at `points_mm` (n, 3); flat and true but for what is known.
-
-        Each of its mm is reached at the outermost corners.
-        """
-        from_middle = points_mm[:, :2] - points_mm[:, :2].mean(axis=0)
+    def of(cls, drawn_mm: Array, known: Mapping[str, float] = MappingProxyType({})) -> "BoardShape":
+        """Any shape that SHAPE names of a board drawn with corners at `drawn_mm` (n, 3); flat and true but for what is known."""
+        from_middle = drawn_mm[:, :2] - drawn_mm[:, :2].mean(axis=0)
         across, down = (from_middle / np.abs(from_middle).max(axis=0)).T
-        even = from_middle / np.abs(from_middle).max()
-        modes = np.zeros((len(points_mm), 3, len(SHAPE)))
+        modes = np.zeros((len(drawn_mm), 3, len(SHAPE)))
         modes[:, 2, 0], modes[:, 2, 1] = across**2 - np.mean(across**2), down**2 - np.mean(down**2)
         modes[:, 2, 2] = across * down
-        modes[:, 0, 3], modes[:, 1, 3] = even[:, 0], -even[:, 1]
-        modes[:, 0, 4], modes[:, 1, 4] = even[:, 1], even[:, 0]
-        return cls(np.array([known_mm.get(name, 0.0) for name in SHAPE]), modes)
+        modes[:, 1, 3] = modes[:, 0, 4] = drawn_mm[:, 1]
+        return cls(np.array([known.get(name, 0.0) for name in SHAPE]), modes, drawn_mm)
 
-    def moved(self, step_mm: Array) -> "BoardShape":
+    @property
+    def points_mm(self) -> Array:
+        """Where all corners are, (n, 3)."""
+        return np.asarray(self.drawn_mm + self.modes @ self.amounts)
+
+    @property
+    def named(self) -> dict[str, float]:
+        """Its amounts by the names of SHAPE."""
+        return dict(zip(SHAPE, map(float, self.amounts), strict=True))
+
+    @property
+    def bow_mm(self) -> float:
+        """How far apart its highest and its lowest corner are across the board's plane."""
+        return float(np.ptp(self.points_mm[:, 2]))
+
+    def moved(self, step: Array) -> "BoardShape":
         """The same, changed."""
-        return replace(self, mm=self.mm + step_mm)
+        return replace(self, amounts=self.amounts + step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +85,17 @@ class Rig:
 
     def points_mm(self, seen: Observation) -> Array:
         """Where the corners are on the board as it is, (n, 3)."""
-        if not len(self.board.mm):
+        if not len(self.board.amounts):
             return seen.points_mm
-        return np.asarray(seen.points_mm + self.board.modes[seen.ids] @ self.board.mm)
+        return np.asarray(seen.points_mm + self.board.modes[seen.ids] @ self.board.amounts)
 
 
 @dataclass(frozen=True, eq=False)
 class Prior:
     """What is known of any camera and board before they are seen, as standard deviations from none.
 
-    `intrinsics` (9,) are infinite for what nothing is known of; `board_mm` is of each mode of the board's shape (k,).
+    `intrinsics` (9,) are infinite for what nothing is known of; `board` is of each mode of the board's shape (k,).
     """
 
     intrinsics: Array
-    board_mm: Array = field(default_factory=lambda: np.zeros(0))
+    board: Array = field(default_factory=lambda: np.zeros(0))

@@ -23,9 +23,9 @@ from calibration.weeding import weed
 LENSES = np.array([np.inf, np.inf, np.inf, np.inf, 0.5, 0.5, 0.005, 0.005, 0.25])
 """Lenses distort by no more than this, more or less. Views all over the picture say it a hundred times better; where views
 lie in its middle only, this keeps terms that nothing determines from growing wild (docs/calibration.md)."""
-PRINTS_MM = np.array([0.5, 0.5, 0.5, 0.1, 0.1])
+PRINTS = np.array([0.5, 0.5, 0.5, 0.005, 0.005])
 """Boards are bent by no more than this, more or less, and printed true to it."""
-RIGID, PRIOR = Prior(LENSES), Prior(LENSES, PRINTS_MM)
+RIGID, PRIOR = Prior(LENSES), Prior(LENSES, PRINTS)
 WEEDINGS = 4
 NAMES = (*INTRINSICS, *POSE)
 
@@ -78,14 +78,15 @@ def calibrate(board: Board, views: Sequence[View], sizes: Mapping[str, Size]) ->
         solved = adjust(rig, observations, PRIOR)
         weeded = weed(names, solved, observations)
         rejected |= {shown[view]: reason for view, reason in weeded.bad_views.items()}
-        settled = sum(map(_corners, weeded.observations)) == sum(map(_corners, observations))
-        if settled:
+        if sum(map(_corners, weeded.observations)) == sum(map(_corners, observations)):
             break
         _check_left(names, weeded.observations, rejected)
         left = sorted({one.view for one in weeded.observations})
         observations = [replace(one, view=left.index(one.view)) for one in weeded.observations]
         shown = [shown[view] for view in left]
         rig = replace(solved.rig, rig_from_board=solved.rig.rig_from_board[left])
+    else:
+        solved = adjust(rig, observations, PRIOR)
     check(names, sizes, solved)
     held_out = hold_out(board, solved, observations, PRIOR)
     sightings = tuple(
@@ -100,7 +101,7 @@ def calibrate(board: Board, views: Sequence[View], sizes: Mapping[str, Size]) ->
         views_used=len(shown),
         views_rejected=rejected,
         board_check=held_out.squares,
-        board_shape=dict(zip(SHAPE, map(float, solved.rig.board.mm), strict=True)),
+        board_shape=solved.rig.board.named,
     )
     free = np.flatnonzero(np.diag(solved.covariance))
     return Calibration(

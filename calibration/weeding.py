@@ -11,10 +11,9 @@ from calibration.rig import Observation
 CORNER_SIGMAS = 6.0
 MOST_LOST = 0.3
 """Share of a picture's corners that may be outliers: with more, it is the view that is wrong."""
-FLOOR_PX = 0.1
-"""An outlier is worth a word only from here on; a rendered board would have its noise weeded."""
-BAD_VIEW, BAD_VIEW_PX = 4.0, 0.3
-"""A view is bad at so many times the noise, and at no less than this."""
+VIEW_SIGMAS = 4.0
+FLOOR_PX = 0.3
+"""Neither a corner nor a view is worth a word below this; a rendered board would have its noise weeded."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +33,16 @@ def weed(names: Sequence[str], solved: Adjusted, observations: Sequence[Observat
         distance_px = np.linalg.norm(residual_px, axis=1)
         fits = distance_px < max(FLOOR_PX, CORNER_SIGMAS * noise_px)
         typical_px = float(np.median(distance_px))
-        off = typical_px > max(BAD_VIEW_PX, BAD_VIEW * noise_px)
-        if off or np.count_nonzero(~fits) > MOST_LOST * len(fits):
+        astray = np.count_nonzero(~fits)
+        if typical_px > max(FLOOR_PX, VIEW_SIGMAS * noise_px):
             bad[one.view] = (
                 f"{names[one.camera]}: its corners are {typical_px:.2f} px off where the other views put them: the board moved "
-                "between the cameras' pictures, or is bent"
+                "between the cameras' pictures, or was bent"
+            )
+        elif astray > MOST_LOST * len(fits):
+            bad[one.view] = (
+                f"{names[one.camera]}: {astray} of {len(fits)} corners are {np.median(distance_px[~fits]):.2f} px off where the "
+                "other views put them: is the board partly hidden, does it shine, or did it move?"
             )
         kept.append(one.only(fits))
     return Weeded(tuple(one for one in kept if one.view not in bad), bad)

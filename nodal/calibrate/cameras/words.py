@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from calibration.camera_set import CalibratedCamera, CameraSet
-from nodal.calibrate.cameras.verdict import Grade, Judgement
+from nodal.calibrate.cameras.verdict import PER_MILLE, Grade, Judgement, shape_of
 from nodal.calibration.formats.calibration import Calibration
 from nodal.calibration.show.figures import MEASURED_PX, figures
 
@@ -38,7 +38,7 @@ def camera_rows(cameras: CameraSet) -> list[Row]:
 
 
 def places(cameras: CameraSet) -> Iterator[str]:
-    """How the cameras stand to one another, and what the board's own squares measure."""
+    """How the cameras stand to one another, and what the board measures and is like."""
     for pair in figures(Calibration(cameras=cameras)).pairs:
         yield (
             f"{pair.names[0]} and {pair.names[1]}: {pair.baseline_mm:.2f} mm apart, {pair.angle_deg:.2f} degrees between their "
@@ -46,14 +46,20 @@ def places(cameras: CameraSet) -> Iterator[str]:
         )
     if (check := cameras.board_check) is not None:
         yield (
-            f"the board's squares in 3-D: {check.squares} sides, {check.mean_error_mm:+.4f} mm on average, "
-            f"{check.rms_error_mm:.4f} mm RMS; flat to {check.flatness_mm:.4f} mm"
+            f"the board in 3-D: {check.squares} sides of squares, off by {check.mean_error_mm:+.4f} mm on average and "
+            f"{check.rms_error_mm:.4f} mm RMS; corners {check.surface_error_mm:.4f} mm RMS off its surface"
+        )
+    if (board := shape_of(cameras)) is not None:
+        yield (
+            f"the board itself: bowed by {board.bow_mm:.3f} mm, {PER_MILLE * board.named['stretch']:+.2f} ‰ longer down than across, "
+            f"{PER_MILLE * board.named['shear']:+.2f} ‰ askew; all of this is taken out"
         )
 
 
 def value_of(judgement: Judgement) -> str:
     """Its value with the unit."""
-    return f"{judgement.value:.3f} {judgement.unit}".strip()
+    value = judgement.value
+    return f"{value if isinstance(value, int) else f'{value:.3f}'} {judgement.unit}".strip()
 
 
 def hint(judgement: Judgement) -> str:

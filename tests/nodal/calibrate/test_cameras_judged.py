@@ -13,6 +13,7 @@ from nodal.__main__ import main
 from nodal.calibrate.background.judging import CameraBackground
 from nodal.calibrate.background.keeping import FILE, BackgroundFound
 from nodal.calibrate.cameras.verdict import Grade, judgements, overall
+from nodal.calibrate.cameras.words import places
 from nodal.calibrate.robot.calibrating import ROBOT
 from nodal.calibrate.robot.results import AxisFound, Foreseen, NodeForeseen, RobotFound
 from nodal.calibration.folder import cameras_in
@@ -35,18 +36,28 @@ def test_the_worst_figure_makes_the_verdict(cameras):
     left, right = cameras.cameras
     blurred = msgspec.structs.replace(left, held_out_rms_px=0.3)
     assert overall(judgements(msgspec.structs.replace(cameras, cameras=(blurred, right)))) is Grade.FAIR
-    bent = BoardCheck(squares=100, mean_error_mm=0.0, rms_error_mm=0.01, flatness_mm=0.4)
+    bent = BoardCheck(squares=100, mean_error_mm=0.0, rms_error_mm=0.01, surface_error_mm=0.4)
     found = judgements(msgspec.structs.replace(cameras, board_check=bent))
     assert overall(found) is Grade.POOR
-    assert [one.what for one in found if one.grade is not Grade.GOOD] == ["flatness of the board"]
+    assert [one.what for one in found if one.grade is not Grade.GOOD] == ["surface of the board, RMS error"]
 
 
-def test_a_scale_error_is_told_as_an_error_of_the_robot(cameras):
-    short = BoardCheck(squares=100, mean_error_mm=-0.02, rms_error_mm=0.02, flatness_mm=0.0)
-    found = judgements(msgspec.structs.replace(cameras, board_check=short))
-    scale = next(one for one in found if one.what.startswith("scale"))
-    assert scale.value == pytest.approx(0.16)
-    assert scale.grade is Grade.POOR
+def test_the_board_is_judged_by_whether_it_is_like_one_that_was_printed_and_glued(cameras):
+    for shape, not_good in (
+        ({"bend_x_mm": 0.4, "stretch": -0.004}, []),
+        ({"bend_x_mm": 3.0, "stretch": 0.001}, ["bow of the board"]),
+        ({"bend_x_mm": 0.0, "stretch": -0.02}, ["board longer down than across"]),
+    ):
+        known = msgspec.structs.replace(cameras, board_shape=shape)
+        assert [one.what for one in judgements(known) if one.grade is Grade.POOR] == not_good
+        told = next(line for line in places(known) if line.startswith("the board itself"))
+        assert (
+            f"bowed by {shape['bend_x_mm'] * 48 / 49:.3f} mm, {1000 * shape['stretch']:+.2f} ‰ longer" in told
+        )
+
+
+def test_nothing_is_said_of_scale_which_cameras_cannot_know(cameras):
+    assert not [one.what for one in judgements(cameras) if "scale" in one.what]
 
 
 def test_the_report_is_one_file_with_all_there_is(first_calibration, tmp_path, capsys):
