@@ -112,9 +112,9 @@ def _surface_off_mm(measured_mm: Array, solved_mm: Array) -> Array:
 
 
 def _check(sides: Sequence[Array], surface: Sequence[Array]) -> BoardCheck | None:
-    if not sides:
+    off_mm = np.concatenate([*sides, np.empty(0)])
+    if not len(off_mm):
         return None
-    off_mm = np.concatenate(sides)
     return BoardCheck(
         squares=len(off_mm),
         mean_error_mm=float(off_mm.mean()),
