@@ -140,7 +140,7 @@ def _of_board(cameras: CameraSet) -> Iterator[Judgement]:
         advice="glue it onto glass or aluminium",
     )
     yield Judgement(
-        what="board longer down than across",
+        what="stretch of the board, down over across",
         value=abs(PER_MILLE * board.named["stretch"]),
         unit="‰",
         limits=(5.0, 10.0),

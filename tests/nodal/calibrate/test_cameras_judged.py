@@ -46,7 +46,7 @@ def test_the_board_is_judged_by_whether_it_is_like_one_that_was_printed_and_glue
     for shape, not_good in (
         ({"bend_x_mm": 0.4, "stretch": -0.004}, []),
         ({"bend_x_mm": 3.0, "stretch": 0.001}, ["bow of the board"]),
-        ({"bend_x_mm": 0.0, "stretch": -0.02}, ["board longer down than across"]),
+        ({"bend_x_mm": 0.0, "stretch": -0.02}, ["stretch of the board, down over across"]),
     ):
         known = msgspec.structs.replace(cameras, board_shape=shape)
         assert [one.what for one in judgements(known) if one.grade is Grade.POOR] == not_good
