@@ -18,7 +18,7 @@ NS_PER_S = 1e9
 def pictures_in_folders(cameras: Mapping[str, FolderCameraSettings]) -> dict[str, Iterator[FilePicture]]:
     """Each camera's pictures, in step: those that belong together have one time, and a missing one leaves a gap.
 
-    Raises CameraError for a folder without pictures, or rates that differ.
+    Raises CameraError for a folder without pictures, rates that differ, or pictures that nothing says belong together.
     """
     rates_hz = {settings.rate_hz for settings in cameras.values()}
     if len(rates_hz) > 1:

@@ -39,6 +39,14 @@ def test_pictures_without_common_numbers_pair_by_their_order(tmp_path, jpeg, pla
     assert numbers(played(cameras(tmp_path))) == [[0, 0], [1, 1], [2, 2]]
 
 
+def test_pictures_that_pair_by_their_order_must_be_as_many(tmp_path, jpeg) -> None:
+    for name, present in (("left", "abc"), ("right", "xy")):
+        for letter in present:
+            (tmp_path / f"{letter}_{name}.jpg").write_bytes(jpeg(ord(letter)))
+    with pytest.raises(CameraError, match="3 of camera left and 2 of camera right: give those"):
+        file_cameras(cameras(tmp_path), paced=False)
+
+
 def test_dates_as_names_take_no_longer_than_other_pictures(tmp_path, jpeg, played) -> None:
     for number in (1_769_000_000_000_000_000, 1_769_000_100_000_000_000):
         for name in NAMES:
@@ -97,10 +105,13 @@ def test_the_number_in_a_name_is_the_one_that_tells_it_from_the_others(names, nu
 
 @given(st.dictionaries(st.sampled_from("abc"), st.sets(st.integers(0, 50), min_size=1), min_size=1))
 def test_numbers_are_kept_where_all_cameras_share_some(present) -> None:
-    found = together(
-        {camera: [f"{camera}_{number:04}" for number in sorted(those)] for camera, those in present.items()}
-    )
+    names = {
+        camera: [f"{camera}_{number:04}" for number in sorted(those)] for camera, those in present.items()
+    }
     if set.intersection(*present.values()):
-        assert found == {camera: sorted(those) for camera, those in present.items()}
+        assert together(names) == {camera: sorted(those) for camera, those in present.items()}
+    elif len({len(those) for those in present.values()}) == 1:
+        assert together(names) == {camera: list(range(len(those))) for camera, those in present.items()}
     else:
-        assert found == {camera: list(range(len(those))) for camera, those in present.items()}
+        with pytest.raises(CameraError, match="no number in common"):
+            together(names)
