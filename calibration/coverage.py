@@ -71,6 +71,10 @@ class Coverage:
         """How many corners (3, 3) lay in each ninth of the camera's picture, in all views together."""
         return self._seen[camera].grid.copy()
 
+    def empty_ninths(self, camera: str) -> int:
+        """How many ninths of the camera's picture hardly a corner lay in, in all views together."""
+        return int(np.count_nonzero(self._seen[camera].grid < ENOUGH_CORNERS))
+
     def missing(self) -> tuple[str, ...]:
         """What to show next, most wanted first, in words that a person can follow; empty when it is enough."""
         return (*self._missing_shared(), *(words for seen in self._seen.items() for words in _wanted(*seen)))

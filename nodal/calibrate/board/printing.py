@@ -10,7 +10,7 @@ from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import BenchFile
 from nodal.calibrate.board.drawing import described, draw_board
 from nodal.calibrate.board.page import board_page
-from nodal.calibration.folder import calibration_folder, save_json
+from nodal.calibration.folder import CAMERAS, calibration_folder, cameras_in, save_json
 from nodal.errors import CalibrationError, CommandError
 
 PRINTED = "board.json"
@@ -47,7 +47,7 @@ def correct_board(bench: BenchFile, measured_mm: float) -> str:
     """Write the size of the squares that follows from the ruler into the bench file; returns what became of it.
 
     It follows from the board as it was drawn, so that measuring again replaces what was measured before. Raises CommandError,
-    CalibrationError, BenchFileError.
+    CalibrationError, CalibrationFileError, BenchFileError.
     """
     printed = _remembered(bench)
     scale = measured_mm / printed.ruler_mm
@@ -60,9 +60,23 @@ def correct_board(bench: BenchFile, measured_mm: float) -> str:
     sizes = {"square_mm": round(drawn.square_mm * scale, DIGITS)}
     if drawn.kind == "charuco":
         sizes["marker_mm"] = round(drawn.marker_mm * scale, DIGITS)
+    outdated = _outdated(bench, sizes["square_mm"])
     edit_bench_file(bench.path, {"board": sizes})
     what = ", ".join(f"{key} = {value:g}" for key, value in sizes.items())
-    return f"{bench.path}: [board] {what}; it was drawn with {drawn.square_mm:g} mm and came out at {100 * scale:.2f} %"
+    return f"{bench.path}: [board] {what}; it was drawn with {drawn.square_mm:g} mm and came out at {100 * scale:.2f} %{outdated}"
+
+
+def _outdated(bench: BenchFile, square_mm: float) -> str:
+    """What was calibrated with this board before it was known to be of this size; raises CalibrationFileError."""
+    file = calibration_folder(bench) / CAMERAS
+    board = cameras_in(file).board if file.exists() else None
+    if board is None or board.square_mm == square_mm or _layout(board) != _layout(bench.settings.board):
+        return ""
+    off = 100 * (board.square_mm / square_mm - 1)
+    return (
+        f"\n{file} was calibrated with squares of {board.square_mm:g} mm: lengths in it, and in the rig that was made from it, are "
+        f"{off:+.2f} % off until you run nodal calibrate cameras and nodal calibrate base again"
+    )
 
 
 def _remembered(bench: BenchFile) -> PrintedBoard:

@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         outcome = calibrate_cameras(arguments)
     except (CalibrationError, ViewsError) as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
+        print(f"nodal: refused: {refusal}\nnothing was changed", file=sys.stderr)
         return REFUSED
     print(json.dumps(as_builtins(outcome)) if arguments.json else as_text(outcome))
     return 0

@@ -1,8 +1,10 @@
 """The views that cameras were calibrated with, kept beside the calibration: pictures, and what was found in them."""
 
 import shutil
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Self
 
 import msgspec
 import numpy as np
@@ -59,14 +61,24 @@ class KeptViews(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class NewViews:
-    """Views as they are taken, apart from those of the calibration in force until they replace them."""
+    """Views as they are taken, apart from those of the calibration in force until they replace them; if they never do, they are
+    set aside, to be added to and tried again: somebody held a board for each.
+    """
 
     def __init__(self, calibration: Path) -> None:
-        """`calibration` is the folder of the calibration; what an earlier attempt left is removed."""
+        """`calibration` is the folder of the calibration; views of an attempt that was cut off are set aside."""
         self._calibration = calibration
         self._folder = calibration / NEW_VIEWS
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._set_aside()
         make_folder(self._folder, "calibration")
+
+    def __enter__(self) -> Self:
+        """Begin to take views."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """However it ended; raises CalibrationFileError."""
+        self._set_aside()
 
     def keep(self, view: str, frames: Iterable[CameraFrame]) -> None:
         """The cameras' own pictures of this view; raises CalibrationFileError."""
@@ -85,14 +97,23 @@ class NewViews:
         _write(self._folder / FOUND, msgspec.json.encode(kept))
         self._become(VIEWS)
 
-    def set_aside(self) -> Path:
-        """They were not enough; returns where they are, to be added to and tried again. Raises CalibrationFileError."""
-        return self._become(REFUSED_VIEWS)
+    def _set_aside(self) -> None:
+        if not self._folder.exists():
+            return
+        if any(self._folder.iterdir()):
+            place = self._become(REFUSED_VIEWS)
+            print(f"the views of an attempt that came to nothing are in {place}", file=sys.stderr, flush=True)
+        else:
+            self._folder.rmdir()
 
     def _become(self, name: str) -> Path:
+        """The views that stood there stay beside them as `NAME~`."""
         place = self._calibration / name
-        shutil.rmtree(place, ignore_errors=True)
         try:
+            if place.exists():
+                before = place.with_name(f"{name}~")
+                shutil.rmtree(before, ignore_errors=True)
+                place.rename(before)
             return self._folder.rename(place)
         except OSError as error:
             raise CalibrationFileError(f"{place}: cannot be replaced: {error.strerror}") from error
@@ -112,9 +133,12 @@ def kept_views(calibration: Path) -> KeptViews:
 def kept_pictures(calibration: Path, cameras: Iterable[str]) -> Mapping[str, Mapping[str, Path]]:
     """Files by view and camera, in the order of the views."""
     found: dict[str, dict[str, Path]] = {}
-    for camera in cameras:
-        for file in sorted((calibration / VIEWS).glob(picture_name("*", camera))):
-            found.setdefault(file.name.removesuffix(picture_name("", camera)), {})[camera] = file
+    ends = {camera: picture_name("", camera) for camera in cameras}
+    for camera, end in ends.items():
+        for file in (calibration / VIEWS).glob(f"*{end}"):
+            # a picture of camera `top_left` ends as those of `left` do
+            if end == max(filter(file.name.endswith, ends.values()), key=len):
+                found.setdefault(file.name.removesuffix(end), {})[camera] = file
     return dict(sorted(found.items()))
 
 

@@ -72,6 +72,9 @@ def as_builtins(outcome: Outcome) -> dict[str, Any]:
 
 
 def _left_out(outcome: Outcome) -> Iterator[str]:
+    if missing := outcome.cameras.missing:
+        yield ""
+        yield from (f"missing: {words}" for words in missing)
     if rejected := outcome.cameras.views_rejected:
         yield ""
         yield from (f"view {name} rejected: {reason}" for name, reason in rejected.items())

@@ -19,11 +19,11 @@ SHADES = " ░▒▓█"
 FULL = 20
 """So many corners in a block of the picture are as good as any more."""
 MOST_WANTED = 4
-LINE_S = 3.0
+LINE_S, DRAWN_S = 3.0, 0.3
 
 
 class TakingProgress:
-    """Shows a `Taking`; `show` is called after each look."""
+    """Shows a `Taking`; `show` is called after each look, and while there is nothing to look at."""
 
     def __init__(self) -> None:
         self._console = Console(stderr=True)
@@ -43,30 +43,32 @@ class TakingProgress:
         if self._console.is_terminal:
             self._live.stop()
 
-    def show(self, taking: Taking) -> None:
-        """Draw, or say what is new."""
-        if taking.view is None or taking.verdict is None:
+    def show(self, taking: Taking, waiting: str = "") -> None:
+        """Draw, or say what is new; `waiting` says why there is nothing to look at."""
+        terminal = self._console.is_terminal
+        news = not waiting and (terminal or (taking.verdict is not None and taking.verdict.taken))
+        if not news and time.monotonic() < self._next_s:
             return
-        if self._console.is_terminal:
-            self._live.update(drawn(taking), refresh=True)
-        elif taking.verdict.taken or time.monotonic() >= self._next_s:
-            self._next_s = time.monotonic() + LINE_S
-            self._console.print(in_one_line(taking), highlight=False, markup=False, soft_wrap=True)
+        self._next_s = time.monotonic() + (DRAWN_S if terminal else LINE_S)
+        if terminal:
+            self._live.update(drawn(taking, waiting), refresh=True)
+        else:
+            self._console.print(in_one_line(taking, waiting), highlight=False, markup=False, soft_wrap=True)
 
 
-def in_one_line(taking: Taking) -> str:
-    """Views so far, the last verdict, and what is wanted most."""
+def in_one_line(taking: Taking, waiting: str = "") -> str:
+    """Views so far, the last verdict or what is waited for, and what is wanted most."""
     wanted = next(iter(taking.missing), "")
-    return f"{len(taking.views)} views | {_judged(taking)}" + (
+    return f"{len(taking.views)} views | {waiting or _judged(taking)}" + (
         f" | next: {wanted}" if wanted else " | enough"
     )
 
 
-def drawn(taking: Taking) -> Group:
+def drawn(taking: Taking, waiting: str = "") -> Group:
     """The same with everything that is missing, and which parts of each picture were covered."""
     facts = Table.grid(padding=(0, 2))
     facts.add_row(Text("views", style="bold"), f"{len(taking.views)} taken")
-    facts.add_row(Text("last look", style="bold"), Text(_judged(taking)))
+    facts.add_row(Text("waiting" if waiting else "last look", style="bold"), Text(waiting or _judged(taking)))
     for number, wanted in enumerate(taking.missing[:MOST_WANTED] or ("nothing, that is enough",)):
         facts.add_row(Text("" if number else "still missing", style="bold"), Text(wanted))
     pictures = Table.grid(padding=(0, 3))

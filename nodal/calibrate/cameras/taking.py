@@ -19,8 +19,11 @@ MEASURED = re.compile(r"\d+\.\d+")
 AS_TAKEN = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
 LOOK_APART_S = 0.15
 """Between two looks at a stream: long enough for a board that moves to be seen moving."""
-STILL_PX_S = 10.0
-"""Cameras that are out of step by 10 ms then see it within 0.1 px of where it is for the other, which is what a corner is off."""
+READ_OUT_S = 0.005
+"""Cameras read a picture row by row: even two that are in step see one place of a board about so long after one another."""
+ALLOWED_SHIFT_PX = 0.2
+"""Of a board that moves, between the cameras' pictures. It points another way in every view, so that little of it is left in
+the cameras (docs/calibration.md)."""
 NS_PER_S = 1e9
 
 
@@ -60,7 +63,7 @@ class Taking:
             return False
         self._looked_ns = now_ns
         self.view = self._found(frame_set)
-        self.verdict = self._judged(self.view, passed_s)
+        self.verdict = self._judged(self.view, passed_s, frame_set.skew_s)
         self._before = self.view
         if self.verdict.taken or self._one_by_one:
             self.views.append(self.view)
@@ -76,20 +79,22 @@ class Taking:
         }
         return find_view(self._board, f"{number:02d}", pictures)
 
-    def _judged(self, view: View, passed_s: float | None) -> Verdict:
+    def _judged(self, view: View, passed_s: float | None, skew_s: float) -> Verdict:
         if self.coverage is None:
             if silent := [camera for camera in self.cameras if camera not in view.sizes]:
                 return Verdict(taken=False, reason=f"no picture of camera {', '.join(silent)}")
             self.sizes = {camera: view.sizes[camera] for camera in self.cameras}
             self.coverage = Coverage(self._board, self.sizes)
-        if view.corners and not self._one_by_one and not self._is_still(view, passed_s):
+        if view.corners and not self._one_by_one and not self._is_still(view, passed_s, skew_s):
             return Verdict(taken=False, reason="hold the board still")
         return self.coverage.offer(view)
 
-    def _is_still(self, view: View, passed_s: float | None) -> bool:
-        """Whether the board was there already when it was last looked at."""
+    def _is_still(self, view: View, passed_s: float | None, skew_s: float) -> bool:
+        """Whether the board, moving as it did since it was last looked at, is at the same place for all cameras."""
         moved_px = _moved_px(self._before, view)
-        return passed_s is not None and moved_px is not None and moved_px <= STILL_PX_S * passed_s
+        if passed_s is None or moved_px is None:
+            return False
+        return moved_px / passed_s * (skew_s + READ_OUT_S) <= ALLOWED_SHIFT_PX
 
 
 def newest(frame_sets: Iterator[FrameSet | None]) -> Iterator[FrameSet | None]:

@@ -30,6 +30,10 @@ def content(known: Material) -> Content:
             "far: they should point every way. Where they agree over a part of the picture, the lens is not described there.",
         ),
         element("div", pictures, class_="moments"),
+        element("h3", "Missing"),
+        element("ul", [element("li", words) for words in known.cameras.missing])
+        if known.cameras.missing
+        else element("p", "The views show all that is wanted."),
     ]
 
 

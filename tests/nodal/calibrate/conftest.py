@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 import shutil
 
 import cv2
@@ -67,11 +68,12 @@ def board_at(x_deg, y_deg, z_deg, place_mm):
 
 
 def boards(count, seed=3):
-    """Tilted every way, all over the pictures."""
+    """Tilted every way, all over the pictures, by turns in each of their quarters."""
     random = np.random.default_rng(seed)
-    for _ in range(count):
+    for _, quarter in zip(range(count), itertools.cycle(((-1, -1), (1, -1), (-1, 1), (1, 1))), strict=False):
         x_deg, y_deg = random.uniform(-32, 32, 2)
-        yield board_at(x_deg, y_deg, random.uniform(-40, 40), random.uniform((-35, -20, -35), (35, 20, 35)))
+        across, down = quarter * random.uniform((15, 10), (50, 32))
+        yield board_at(x_deg, y_deg, random.uniform(-40, 40), (across, down, random.uniform(-35, 35)))
 
 
 @pytest.fixture(scope="session")
@@ -84,6 +86,20 @@ def shots(tmp_path_factory):
     away = turned(place_mm=(1e4, 0, 500))
     for camera in CAMERA_FROM_RIG:
         (folder / f"12_{camera}.jpg").write_bytes(picture(away, camera))
+    return folder
+
+
+@pytest.fixture
+def shots_of_the_middle(tmp_path):
+    """Twelve views of the board, tilted well, that all lie in the middle ninth of the pictures."""
+    folder = tmp_path / "middle"
+    folder.mkdir()
+    tilts = itertools.product((-30, -10, 10, 30), (-30, 0, 30))
+    for number, (x_deg, y_deg) in enumerate(tilts):
+        rig_from_board = board_at(x_deg, y_deg, x_deg, (0, 0, 170 - 2 * x_deg))
+        for camera in CAMERA_FROM_RIG:
+            jpeg = picture(rig_from_board, camera, seed=number)
+            (folder / f"{number:02d}_{camera}.jpg").write_bytes(jpeg)
     return folder
 
 
@@ -126,7 +142,15 @@ def calibrated_bench(tmp_path, first_calibration):
 def places():
     """JPEG bytes by camera of a board at two places."""
     poses = {"here": board_at(20, 10, 0, (0, 0, 0)), "elsewhere": board_at(-20, 10, 15, (15, -10, 10))}
-    return {
-        name: {camera: picture(rig_from_board, camera) for camera in CAMERA_FROM_RIG}
-        for name, rig_from_board in poses.items()
-    }
+    return {name: seen(rig_from_board) for name, rig_from_board in poses.items()}
+
+
+@pytest.fixture(scope="session")
+def drifting():
+    """JPEG bytes by camera of a board, and of the same one 3 px beside."""
+    return [seen(board_at(20, 10, 0, (0, away_mm, 0))) for away_mm in (0, 3 * AWAY_MM / FOCAL_PX)]
+
+
+def seen(rig_from_board):
+    """JPEG bytes by camera."""
+    return {camera: picture(rig_from_board, camera) for camera in CAMERA_FROM_RIG}

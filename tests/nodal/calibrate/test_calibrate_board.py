@@ -6,16 +6,19 @@ import zlib
 from xml.etree import ElementTree as ET
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
 from calibration.board import Board
+from calibration.camera_set import CameraSet
 from messaging.board import BoardSettings
 from nodal.__main__ import main
 from nodal.bench_file import SHIPPED, read_bench
 from nodal.calibrate.board.drawing import draw_board
 from nodal.calibrate.board.page import PAPERS_MM, board_page
 from nodal.calibrate.board.pattern import black_rectangles_mm
+from nodal.calibration.folder import CAMERAS, calibration_folder, save_json
 from nodal.errors import CalibrationError
 
 MM_PER_PT = 25.4 / 72
@@ -142,6 +145,22 @@ def test_what_was_measured_becomes_the_size_of_the_squares(bench, capsys):
         assert read_bench(bench).settings.board.square_mm == pytest.approx(square_mm)
     assert read_bench(bench).settings.board.marker_mm == pytest.approx(6.937)
     assert "came out at 99.10 %" in capsys.readouterr().out
+
+
+def test_what_was_calibrated_with_the_board_before_it_was_measured_is_named(bench, capsys):
+    assert main(["calibrate", "board", "--config", str(bench), "--out", "board.pdf"]) == 0
+    measured = ["calibrate", "board", "--config", str(bench), "--measured"]
+    file = calibration_folder(read_bench(bench)) / CAMERAS
+    cameras = CameraSet(cameras=(), board=BoardSettings())
+    save_json(file, cameras)
+    assert main([*measured, "99.1"]) == 0
+    printed = capsys.readouterr().out
+    assert f"{file} was calibrated with squares of 10 mm" in printed
+    assert "+0.91 % off until you run nodal calibrate cameras and nodal calibrate base again" in printed
+    assert main([*measured, "100"]) == 0
+    save_json(file, msgspec.structs.replace(cameras, board=BoardSettings(squares=(5, 7))))
+    assert main([*measured, "99.1"]) == 0
+    assert "was calibrated with" not in capsys.readouterr().out
 
 
 def test_what_cannot_have_been_measured_is_refused(bench, capsys):

@@ -8,14 +8,20 @@ import numpy as np
 import pytest
 
 from calibration.camera_set import CameraSet
+from drivers.cameras import CameraSilentError
 from messaging.errors import NodalError
 from nodal.__main__ import main
+from nodal.bench_editing import edit_bench_file
+from nodal.bench_file import read_bench
 from nodal.calibrate import ending
+from nodal.calibrate.cameras.calibrating import still_skew_s
 from nodal.calibrate.cameras.kept_views import kept_pictures, kept_views
 from nodal.calibrate.cameras.taking import Taking
 from nodal.calibration.folder import cameras_in
 from nodal.calibration_file import load_rig, save_rig
 from nodal.toml_file import read_table, written
+
+LOOK = Taking.look
 
 
 def images(folder):
@@ -89,7 +95,8 @@ def test_a_refusal_leaves_everything_as_it_was(calibrated_bench, few, capsys):
     assert calibrated(calibrated_bench, few) == 3
     told = capsys.readouterr().err
     assert "camera left sees the board in 2 views that differ; at least 3 are needed" in told
-    assert f"nothing was changed; the views of this attempt are in {folder / 'views.refused'}" in told
+    assert "nothing was changed" in told
+    assert f"the views of an attempt that came to nothing are in {folder / 'views.refused'}" in told
     assert {file: file.read_bytes() for file in before} == before
     # they can be added to and tried again: they are not lost while they are read
     assert calibrated(calibrated_bench, folder / "views.refused") == 3
@@ -115,24 +122,124 @@ def test_every_camera_needs_pictures(bench, shots, capsys):
 def test_an_interrupt_goes_on_with_the_views_that_there_are_and_needs_no_pictures(
     bench, shots, capsys, monkeypatch
 ):
-    look = Taking.look
-
     def without_matplotlib(bench):
         raise NodalError("pictures need matplotlib")
 
     monkeypatch.setattr(ending, "write_report", without_matplotlib)
-
-    def interrupted(self, frame_set):
-        if len(self.views) == 8:
-            raise KeyboardInterrupt
-        return look(self, frame_set)
-
-    monkeypatch.setattr(Taking, "look", interrupted)
+    stopped_after(monkeypatch, 8, KeyboardInterrupt)
     assert calibrated(bench, shots) == 0
     told = capsys.readouterr()
     assert "going on with the views that there are" in told.err
     assert "report:  not written: pictures need matplotlib" in told.out
     assert cameras_in(bench.parent / "calibration" / "cameras.json").views_used == 8
+
+
+def stopped_after(monkeypatch, count, error):
+    """Looking raises this once so many views are taken."""
+
+    def stops(self, frame_set):
+        if len(self.views) == count:
+            raise error
+        return LOOK(self, frame_set)
+
+    monkeypatch.setattr(Taking, "look", stops)
+
+
+def test_a_camera_that_falls_silent_ends_the_taking_like_an_interrupt(bench, shots, capsys, monkeypatch):
+    stopped_after(monkeypatch, 8, CameraSilentError("no frame from camera right for 20.01 s"))
+    assert calibrated(bench, shots) == 0
+    assert "no frame from camera right for 20.01 s: going on with the views" in capsys.readouterr().err
+    assert cameras_in(bench.parent / "calibration" / "cameras.json").views_used == 8
+    stopped_after(monkeypatch, 0, CameraSilentError("no frame from camera right for 20.01 s"))
+    assert calibrated(bench, shots) == 2
+
+
+def test_views_outlive_whatever_ends_an_attempt(bench, few, capsys, monkeypatch):
+    folder = bench.parent / "calibration"
+    cut_off = folder / "views.new"
+    shutil.copytree(few, cut_off)  # of a command that was killed
+    stopped_after(monkeypatch, 0, RuntimeError)
+    with pytest.raises(RuntimeError):
+        calibrated(bench, few)
+    assert len(list((folder / "views.refused").iterdir())) == 4
+    stopped_after(monkeypatch, 1, RuntimeError)
+    with pytest.raises(RuntimeError):
+        calibrated(bench, few)
+    assert sorted(file.name for file in (folder / "views.refused").iterdir()) == [
+        "00_left.jpg",
+        "00_right.jpg",
+    ]
+    assert len(list((folder / "views.refused~").iterdir())) == 4
+    # an attempt without a view takes the place of none with some
+    stopped_after(monkeypatch, 0, RuntimeError)
+    with pytest.raises(RuntimeError):
+        calibrated(bench, few)
+    assert len(list((folder / "views.refused").iterdir())) == 2
+    assert not cut_off.exists()
+
+
+def test_a_damaged_calibration_file_is_noticed_before_anybody_holds_a_board(bench, few, capsys, monkeypatch):
+    folder = bench.parent / "calibration"
+    folder.mkdir()
+    (folder / "rig.json").write_text("{")
+    stopped_after(monkeypatch, 0, AssertionError)
+    assert calibrated(bench, few) == 2
+    assert "rig.json: not a calibration file" in capsys.readouterr().err
+
+
+def test_views_of_the_middle_alone_are_not_called_good(bench, shots_of_the_middle, capsys):
+    assert calibrated(bench, shots_of_the_middle) == 0
+    printed = capsys.readouterr().out
+    assert "verdict: poor" in printed
+    assert "missing: left: nothing in the upper left of the picture" in printed
+    cameras = cameras_in(bench.parent / "calibration" / "cameras.json")
+    assert cameras.cameras[0].empty_ninths == 8
+    assert "left: nothing in the lower right of the picture" in cameras.missing
+    page = (bench.parent / "calibration" / "report.html").read_text()
+    assert "left: nothing in the lower right of the picture" in page
+
+
+def as_webcams(bench, width, height):
+    """The bench with webcams that are asked for pictures of this size at 15 Hz."""
+    table = read_table(bench)
+    table["cameras"] = {
+        name: {
+            "source": "v4l2",
+            "device": f"/dev/v4l/by-path/{name}",
+            "width_px": width,
+            "height_px": height,
+            "rate_hz": 15.0,
+        }
+        for name in table["cameras"]
+    }
+    table.pop("simulation", None)
+    bench.write_text(written(table), encoding="utf-8")
+
+
+def test_pictures_of_another_size_than_the_bench_asks_for_are_refused(bench, few, capsys):
+    as_webcams(bench, 1920, 1080)
+    assert calibrated(bench, few) == 3
+    told = capsys.readouterr().err
+    assert "camera left: its pictures are 960 x 540 px, but the bench asks it for 1920 x 1080" in told
+    as_webcams(bench, 960, 540)
+    assert calibrated(bench, few) == 3
+    assert "sees the board in 2 views" in capsys.readouterr().err
+
+
+def test_a_bench_whose_rooms_do_not_agree_is_refused_at_once(bench, few, capsys):
+    as_webcams(bench, 960, 540)
+    edit_bench_file(bench, {"cameras": {"left": {"device": "/dev/v4l/by-path/right"}}})
+    assert calibrated(bench, few) == 2
+    assert "have the same device" in capsys.readouterr().err
+
+
+def test_cameras_that_run_freely_see_a_board_that_stands_still(bench):
+    simulated = read_bench(bench).settings
+    assert still_skew_s(simulated) == simulated.sensing.maximum_skew_s
+    as_webcams(bench, 960, 540)
+    assert 1 / 30 < still_skew_s(read_bench(bench).settings) < 1 / 28
+    edit_bench_file(bench, {"sensing": {"maximum_skew_s": 0.05}})
+    assert still_skew_s(read_bench(bench).settings) == 0.05
 
 
 def test_a_simulated_bench_holds_the_board_itself(light_bench, tmp_path, zenoh_settings, capsys):
