@@ -11,6 +11,9 @@ def write_whole(path: Path, data: bytes) -> None:
     A link stays a link, and the file keeps its mode. Raises OSError.
     """
     file = path.resolve()
+    if file.exists() and not file.is_file():
+        file.write_bytes(data)  # a pipe or a device has no content to be lost, and must not become a file
+        return
     new = file.with_name(file.name + ".new")
     try:
         with new.open("wb") as writing:

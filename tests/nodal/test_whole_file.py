@@ -1,6 +1,7 @@
 """Files that calibration replaces: whole or not at all, with their modes and links as they were."""
 
 import contextlib
+import os
 import resource
 import stat
 
@@ -67,6 +68,16 @@ def test_a_link_stays_a_link_and_a_mode_a_mode(tmp_path, bench):
 def test_a_file_that_was_not_there_is_made(tmp_path):
     write_whole(tmp_path / "new.json", b"{}")
     assert [file.name for file in tmp_path.iterdir()] == ["new.json"]
+
+
+def test_a_pipe_stays_a_pipe(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"{}")
+    assert os.read(reader, 10) == b"{}"
+    os.close(reader)
+    assert pipe.is_fifo()
 
 
 def test_what_no_bench_file_may_hold_is_not_written(bench):

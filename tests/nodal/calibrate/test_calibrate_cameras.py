@@ -1,6 +1,8 @@
 """`nodal calibrate cameras` as it is typed, from pictures of a board, and what it keeps and refuses."""
 
+import contextlib
 import dataclasses
+import io
 import json
 import shutil
 
@@ -8,12 +10,13 @@ import numpy as np
 import pytest
 
 from calibration.camera_set import CameraSet
-from drivers.cameras import CameraSilentError
+from drivers.cameras import CameraFrame, CameraSilentError
 from messaging.errors import NodalError
 from nodal.__main__ import main
 from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import read_bench
 from nodal.calibrate import ending
+from nodal.calibrate.cameras import calibrating
 from nodal.calibrate.cameras.calibrating import still_skew_s
 from nodal.calibrate.cameras.kept_views import kept_pictures, kept_views
 from nodal.calibrate.cameras.taking import Taking
@@ -22,6 +25,7 @@ from nodal.calibration_file import load_rig, save_rig
 from nodal.toml_file import read_table, written
 
 LOOK = Taking.look
+RATE_HZ = 15.0
 
 
 def images(folder):
@@ -200,7 +204,7 @@ def test_views_of_the_middle_alone_are_not_called_good(bench, shots_of_the_middl
 
 
 def as_webcams(bench, width, height):
-    """The bench with webcams that are asked for pictures of this size at 15 Hz."""
+    """The bench with webcams that are asked for pictures of this size."""
     table = read_table(bench)
     table["cameras"] = {
         name: {
@@ -208,7 +212,7 @@ def as_webcams(bench, width, height):
             "device": f"/dev/v4l/by-path/{name}",
             "width_px": width,
             "height_px": height,
-            "rate_hz": 15.0,
+            "rate_hz": RATE_HZ,
         }
         for name in table["cameras"]
     }
@@ -240,6 +244,69 @@ def test_cameras_that_run_freely_see_a_board_that_stands_still(bench):
     assert 1 / 30 < still_skew_s(read_bench(bench).settings) < 1 / 28
     edit_bench_file(bench, {"sensing": {"maximum_skew_s": 0.05}})
     assert still_skew_s(read_bench(bench).settings) == 0.05
+
+
+class LiveCamera:
+    """Gives these pictures, each of them eight times, a period apart; then it ends, or, without any, is silent."""
+
+    def __init__(self, name, files, phase_s):
+        self.name, self._number, self._resting = name, 0, False
+        self._jpegs = [jpeg for file in files for jpeg in [file.read_bytes()] * 8]
+        self._phase_s = phase_s
+
+    @property
+    def ended(self):
+        return 0 < len(self._jpegs) == self._number
+
+    def read(self):
+        self._resting = not self._resting
+        if self._resting or self._number == len(self._jpegs):
+            return None
+        self._number += 1
+        return CameraFrame(
+            name=self.name,
+            jpeg=self._jpegs[self._number - 1],
+            capture_monotonic_ns=round((self._number / RATE_HZ + self._phase_s) * 1e9),
+            number=self._number,
+        )
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def live(bench, monkeypatch):
+    """`nodal calibrate cameras` on a bench with these webcams, and a person who presses Enter."""
+
+    def run(*cameras):
+        @contextlib.contextmanager
+        def running(*_):
+            yield list(cameras), None
+
+        as_webcams(bench, 960, 540)
+        monkeypatch.setattr(calibrating, "running_cameras", running)
+        monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+        return main(["calibrate", "cameras", "--config", str(bench)])
+
+    return run
+
+
+def test_cameras_half_a_period_out_of_step_see_a_board_that_stands_still(live, few, capsys):
+    right = LiveCamera("right", sorted(few.glob("*_right.jpg")), phase_s=0.5 / RATE_HZ)
+    assert live(LiveCamera("left", sorted(few.glob("*_left.jpg")), phase_s=0.0), right) == 3
+    told = capsys.readouterr().err
+    assert "2 views are taken; calibrating" in told
+    assert "camera left sees the board in 2 views that differ" in told
+
+
+def test_a_camera_that_gives_nothing_is_named_while_others_wait_for_it(live, few, capsys, monkeypatch):
+    monkeypatch.setattr(calibrating, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(calibrating, "SILENCE_S", 0.2)
+    left = LiveCamera("left", sorted(few.glob("*_left.jpg")), phase_s=0.0)
+    assert live(left, LiveCamera("right", [], phase_s=0.0)) == 2
+    told = capsys.readouterr().err
+    assert "0 views | no picture comes from camera" in told
+    assert "no frame from camera right" in told
 
 
 def test_a_simulated_bench_holds_the_board_itself(light_bench, tmp_path, zenoh_settings, capsys):
