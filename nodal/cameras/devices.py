@@ -6,13 +6,14 @@ import msgspec
 
 from drivers.cameras import V4l2CameraSettings, V4l2Controls
 from drivers.cameras.errors import CameraDeviceError
+from drivers.cameras.v4l2.format import JPEG, same_rate
 from drivers.cameras.v4l2.listing import DeviceDescription, PictureFormat, devices
+from nodal.cameras.judging.suggestions import FRAME_SHARE, Held
 
-JPEG = frozenset({"MJPG", "JPEG"})
 WIDEST_PX, HIGHEST_PX = 1920, 1080
 """Larger pictures cost more than they tell (docs/bench-setup.md)."""
 RATE_HZ = 30.0
-KEPT = ("gain", "focus", "white_balance_k", "sharpness")
+KEPT = ("gain", "focus", "white_balance_k", "sharpness", "zoom", "pan", "tilt")
 """Controls that are locked at what the camera holds now."""
 
 NO_CAMERA = (
@@ -22,10 +23,10 @@ NO_CAMERA = (
 
 
 def device_at(path: str) -> DeviceDescription:
-    """The device of this path or lasting path; raises CameraDeviceError when it is not there or cannot be asked."""
+    """The device that this path leads to; raises CameraDeviceError when it is not there or cannot be asked."""
     present = devices()
     for device in present:
-        if Path(path) in {device.path, device.node, *device.lasting_paths}:
+        if Path(path).resolve() == device.node.resolve():
             if device.problem:
                 raise CameraDeviceError(device.problem)
             return device
@@ -33,10 +34,14 @@ def device_at(path: str) -> DeviceDescription:
     raise CameraDeviceError(f"{path} is no camera; {f'there are {there}' if there else NO_CAMERA}")
 
 
-def held_controls(path: str) -> dict[str, float]:
-    """What a device holds now, by the keys of [cameras.NAME.controls] and in their units; raises CameraDeviceError."""
+def held_controls(path: str) -> dict[str, Held]:
+    """What a device holds now, by the keys of [cameras.NAME.controls]; raises CameraDeviceError."""
     return {
-        control.setting: control.in_setting(control.value)
+        control.setting: Held(
+            value=control.in_setting(control.value),
+            least=control.in_setting(control.minimum),
+            default=control.in_setting(control.default),
+        )
         for control in device_at(path).controls
         if control.setting is not None
     }
@@ -46,7 +51,7 @@ def suggested_settings(device: DeviceDescription, mains_hz: int = 50) -> V4l2Cam
     """A bench's settings of this camera: JPEG pictures of up to 1080p, near 30 Hz, exposed for one half period of the mains,
     everything else as it is now. Raises CameraDeviceError for a camera that gives no JPEG pictures.
     """
-    of_jpeg = [known for known in device.formats if known.pixel_format in JPEG and known.rates_hz]
+    of_jpeg = [known for known in device.formats if known.pixel_format == JPEG and known.rates_hz]
     if not of_jpeg:
         kinds = ", ".join(sorted({known.pixel_format for known in device.formats})) or "none"
         raise CameraDeviceError(f"{device.path} ({device.card}) gives no JPEG pictures; its formats: {kinds}")
@@ -57,7 +62,8 @@ def suggested_settings(device: DeviceDescription, mains_hz: int = 50) -> V4l2Cam
     }
     if (exposure := present.get("exposure_s")) is not None:
         least, most = (exposure.in_setting(number) for number in (exposure.minimum, exposure.maximum))
-        controls["exposure_s"] = min(max(round(0.5 / mains_hz, 4), least), most)
+        longest = min(most, FRAME_SHARE / _rate_hz(best))
+        controls["exposure_s"] = round(max(min(0.5 / mains_hz, longest), least), 4)
     if "power_line_hz" in present:
         controls["power_line_hz"] = mains_hz
     return V4l2CameraSettings(
@@ -78,4 +84,5 @@ def _worth(known: PictureFormat) -> tuple[bool, int]:
     """What is fast enough, then the largest that fits, failing that the smallest that does not."""
     fits = known.width_px <= WIDEST_PX and known.height_px <= HIGHEST_PX
     area_px = known.width_px * known.height_px
-    return max(known.rates_hz) >= RATE_HZ, area_px if fits else -area_px
+    fast = max(known.rates_hz) >= RATE_HZ or same_rate(max(known.rates_hz), RATE_HZ)
+    return fast, area_px if fits else -area_px

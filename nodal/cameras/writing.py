@@ -9,6 +9,7 @@ import msgspec
 from drivers.cameras.v4l2.listing import DeviceDescription, devices
 from nodal.cameras.devices import NO_CAMERA, device_at, suggested_settings
 from nodal.errors import CommandError
+from nodal.toml_file import Table
 
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -44,6 +45,15 @@ def _as_given(given: Sequence[str]) -> dict[str, DeviceDescription]:
             raise CommandError(f"--camera {text}: {device.path} is {other} already")
         found[name] = device
     return found
+
+
+def replacing(old: Table, new: Table) -> Table:
+    """The changes to a table of a bench file that leave nothing of the `old` one in the `new` one."""
+    changes = {
+        key: replacing(old[key], value) if key in old and isinstance(value, dict) else value
+        for key, value in new.items()
+    }
+    return dict.fromkeys(old.keys() - new.keys()) | changes
 
 
 def sections(cameras: Mapping[str, DeviceDescription], mains_hz: int) -> dict[str, dict[str, Any]]:

@@ -10,6 +10,7 @@ Steps = tuple[tuple[str, str], ...]
 REAL_STEPS: Steps = (
     ("cameras list", "what is plugged in"),
     ("cameras write --config {bench}", "the cameras into the bench file, by names that last"),
+    ("cameras look --config {bench} --focus --write", "where their lenses are sharpest"),
     ("cameras look --config {bench}", "what they see, and how well"),
     ("servos setup --config {bench}", "each servo, then `nodal servos check`"),
     ("calibrate board --config {bench} --out board.pdf", "the board to print"),

@@ -1,6 +1,7 @@
 """One webcam behind a device file: its ioctls, its clock, and all that can go wrong with it."""
 
 import errno
+import itertools
 import mmap
 import os
 import threading
@@ -16,21 +17,22 @@ from drivers.simulated.v4l2.description import CameraDescription
 from drivers.simulated.v4l2.device_files import DeviceFiles
 from drivers.simulated.v4l2.exposing import Buffers
 from drivers.simulated.v4l2.formats import Formats
+from drivers.simulated.v4l2.scene import Scene
 
 CAPABILITIES = raw.Capability.VIDEO_CAPTURE | raw.Capability.STREAMING | raw.Capability.EXT_PIX_FORMAT
 KERNEL_VERSION = 6 << 16 | 1 << 8
 
 
 class StandInCamera:
-    """A camera that takes `pictures` (coded JPEGs) in turn, by its own clock while it streams if it is `running`,
-    otherwise whenever `expose` is called.
+    """A camera that takes `pictures` (coded JPEGs in turn, or a scene by its controls), by its own clock while it streams if it
+    is `running`, otherwise whenever `expose` is called.
 
     It is reached through `path` while `plugged_in` holds, and may be pulled out and put back meanwhile.
     """
 
     def __init__(
         self,
-        pictures: Sequence[bytes],
+        pictures: Sequence[bytes] | Scene,
         description: CameraDescription | None = None,
         *,
         running: bool = True,
@@ -38,7 +40,9 @@ class StandInCamera:
         self.description = description or CameraDescription()
         self.controls = Controls(self.description.controls)
         self.formats = Formats(self.description)
-        self.buffers = Buffers(pictures)
+        self.buffers = Buffers(
+            pictures.seen(self.controls.values) if isinstance(pictures, Scene) else itertools.cycle(pictures)
+        )
         self.files: DeviceFiles | None = None
         self.is_permitted = True
         self.start_refused = 0

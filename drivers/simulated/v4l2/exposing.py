@@ -7,7 +7,7 @@ import itertools
 import mmap
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 from linuxpy.video import raw
 
@@ -35,14 +35,14 @@ class Buffers:
     number, the newest few.
     """
 
-    def __init__(self, pictures: Sequence[bytes]) -> None:
+    def __init__(self, pictures: Iterator[bytes]) -> None:
         self.readable = _counting_file()
         self.flags = int(UVC_FLAGS)
         self.streaming = False
         self.mapped: list[mmap.mmap] = []
         self._memory: list[int] = []
         self.sent: collections.OrderedDict[int, bytes] = collections.OrderedDict()
-        self._pictures = itertools.cycle(pictures)
+        self._pictures = pictures
         self._exposures = itertools.count(1)
         self._queued: collections.deque[int] = collections.deque()
         self._done: collections.deque[Filled] = collections.deque()

@@ -43,11 +43,17 @@ RATE_SHARE, LOST_SHARE = 0.9, 0.02
 
 def findings_on(look: Look) -> list[Finding]:
     """All that one camera's pictures tell."""
-    return [_sharpness(look), *_exposure(look), _contrast(look), *_backdrop(look), *_steadiness(look)]
+    return [
+        finding_on_sharpness(look.edges.width_px),
+        *_exposure(look),
+        _contrast(look),
+        *_backdrop(look),
+        *_steadiness(look),
+    ]
 
 
-def _sharpness(look: Look) -> Finding:
-    width_px = look.edges.width_px
+def finding_on_sharpness(width_px: float | None) -> Finding:
+    """Whether edges of this typical width are sharp; None is for pictures without edges."""
     if width_px is None:
         return Finding(
             subject="sharpness",
@@ -63,7 +69,7 @@ def _sharpness(look: Look) -> Finding:
         words=f"{words}: edges are {width_px:.1f} px wide (10 to 90 %)",
         advice=""
         if verdict is Verdict.GOOD
-        else "focus on the robot by hand, wipe the lens, keep the robot still",
+        else "focus on the robot (a webcam's own motor: `nodal cameras look --focus`), wipe the lens, keep the robot still",
     )
 
 

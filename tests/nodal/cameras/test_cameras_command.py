@@ -1,17 +1,24 @@
 """`nodal cameras` as it is typed, on webcams that stand in below the V4L2 calls, and on files."""
 
+import dataclasses
 import json
 import shutil
+from fractions import Fraction
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from linuxpy.video.raw import PixelFormat
+from linuxpy.video.raw import ControlID, PixelFormat
 
-from drivers.simulated.v4l2 import StandInCamera, plugged_in
-from drivers.simulated.v4l2.description import CameraDescription
+from drivers.cameras import CameraDeviceError
+from drivers.cameras.v4l2.listing import DeviceControl, DeviceDescription, PictureFormat, devices
+from drivers.simulated.v4l2 import Scene, StandInCamera, plugged_in
+from drivers.simulated.v4l2.description import CONTROLS, CameraDescription
 from nodal.__main__ import main
+from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import SHIPPED, read_bench
+from nodal.cameras.devices import suggested_settings
 from nodal.toml_file import read_table
 
 SIZE_PX = 960, 540
@@ -19,6 +26,9 @@ FORMATS = {
     PixelFormat.YUYV: {SIZE_PX: (5,)},
     PixelFormat.MJPEG: {(320, 180): (60,), SIZE_PX: (60, 30), (3840, 2160): (30,)},
 }
+
+FAST = {PixelFormat.MJPEG: {SIZE_PX: (45,)}}
+SMALL = {PixelFormat.MJPEG: {(480, 270): (120,)}}
 
 
 @pytest.fixture
@@ -99,6 +109,53 @@ def test_write_takes_devices_by_any_of_their_names(webcams, bench) -> None:
     assert [camera["device"] for camera in read_table(bench)["cameras"].values()] == webcams[::-1]
 
 
+def test_a_rule_of_ones_own_names_a_camera_too(webcams, bench, capsys) -> None:
+    own = bench.parent / "nodal-left"
+    own.symlink_to(webcams[0])
+    words = ["--camera", f"left={own}", f"right={webcams[1]}"]
+    assert main(["cameras", "write", "--config", str(bench), *words]) == 0
+    assert [camera["device"] for camera in read_table(bench)["cameras"].values()] == webcams
+    edit_bench_file(bench, {"cameras": {"left": {"device": str(own)}}})
+    assert main(["cameras", "look", "--config", str(bench), "--pictures", "1"]) in {0, 3}
+
+
+def test_write_leaves_nothing_of_another_camera(webcams, bench) -> None:
+    assert main(["cameras", "write", "--config", str(bench)]) == 0
+    edit_bench_file(bench, {"cameras": {"left": {"controls": {"contrast": 7}}}})
+    assert main(["cameras", "write", "--config", str(bench)]) == 0
+    assert "contrast" not in bench.read_text(encoding="utf-8")
+
+
+def test_a_bench_file_without_tables_of_cameras_is_refused_by_name(webcams, tmp_path, capsys) -> None:
+    file = tmp_path / "three.toml"
+    file.write_text("cameras = 3\n", encoding="utf-8")
+    assert main(["cameras", "write", "--config", str(file)]) == 2
+    assert "three.toml: cameras = 3" in capsys.readouterr().err
+
+
+def test_what_a_camera_is_asked_for_is_what_the_driver_takes(coded, scene) -> None:
+    ntsc = {PixelFormat.MJPEG: {(640, 480): (60,), SIZE_PX: (Fraction(30000, 1001),)}}
+    with plugged_in(StandInCamera([coded(scene)], CameraDescription(formats=ntsc))):
+        settings = suggested_settings(devices()[0])
+    assert (settings.width_px, settings.height_px) == SIZE_PX
+    assert settings.rate_hz == pytest.approx(29.97, abs=0.01)
+    jpeg = PictureFormat(pixel_format="JPEG", width_px=640, height_px=480, rates_hz=(30.0,))
+    with pytest.raises(CameraDeviceError, match="gives no JPEG pictures; its formats: JPEG"):
+        suggested_settings(
+            DeviceDescription(path=Path("/x"), lasting_paths=(), node=Path("/x"), formats=(jpeg,))
+        )
+    fast = dataclasses.replace(jpeg, pixel_format="MJPG", rates_hz=(120.0,))
+    exposure = DeviceControl(
+        name="e", setting="exposure_s", minimum=1, maximum=5000, step=1, default=250, value=250, menu={}
+    )
+    settings = suggested_settings(
+        DeviceDescription(
+            path=Path("/x"), lasting_paths=(), node=Path("/x"), formats=(fast,), controls=(exposure,)
+        )
+    )
+    assert settings.controls.exposure_s == 0.0075
+
+
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
@@ -143,6 +200,66 @@ def test_look_judges_each_webcam_and_writes_what_it_suggests(webcams, bench, sce
     assert (bench.parent / "look" / "left-judged.png").stat().st_size > 10_000
 
 
+def test_following_what_is_suggested_makes_the_pictures_good(bench, scene, capsys) -> None:
+    # a quarter of the light that the exposure of `write` needs; gain gives three times as much, with as much noise
+    dark = Scene(picture=scene, exposed_at=400, noise_levels=3.0, sharp_at=0)
+    webcams = [StandInCamera(dark, CameraDescription(usb_port=port, formats=FAST)) for port in "12"]
+    words = ["cameras", "look", "--config", str(bench), "--pictures", "6", "--write"]
+    with plugged_in(*webcams):
+        for webcam in webcams:
+            webcam.controls.values |= {ControlID.GAIN: 100, ControlID.SHARPNESS: 200}
+        assert main(["cameras", "write", "--config", str(bench)]) == 0
+        edit_bench_file(bench, {"sensing": {"maximum_skew_s": 0.034}})
+        main(words)
+        assert capsys.readouterr().out.count("gain = 0  # noise of") == 2
+        main(words)
+        assert capsys.readouterr().out.count("exposure_s = 0.02  # the backdrop is at level") == 2
+        assert main(words) == 0
+    report = capsys.readouterr().out
+    assert "suggested" not in report
+    assert report.count("well exposed") == 2
+    for camera in read_bench(bench).settings.cameras.values():
+        assert (camera.controls.gain, camera.controls.sharpness) == (0, 128)
+
+
+def test_look_finds_the_focus_and_writes_it(bench, scene, capsys) -> None:
+    shutil.copy(SHIPPED / "simulated-rig.json", bench.parent)
+    sharp = StandInCamera(Scene(picture=scene[::2, ::2], sharp_at=145), CameraDescription(formats=SMALL))
+    fixed = tuple(control for control in CONTROLS if control.id != ControlID.FOCUS_ABSOLUTE)
+    by_hand = StandInCamera(
+        Scene(picture=scene), CameraDescription(usb_port="2", formats=SMALL, controls=fixed)
+    )
+    with plugged_in(sharp, by_hand):
+        assert main(["cameras", "write", "--config", str(bench)]) == 0
+        said = capsys.readouterr().err
+        assert "The focus of left stays where it stands now, sharp or not" in said
+        assert f"nodal cameras look --config {bench} --focus --write" in said
+        assert main(["cameras", "look", "--config", str(bench), "--focus", "--write"]) == 0
+        assert sharp.controls.values[ControlID.FOCUS_ABSOLUTE] == 145
+    said = capsys.readouterr()
+    assert "camera right: it has no focus that can be set" in said.err
+    assert "The calibration holds for the focus before: nodal calibrate cameras" in said.err
+    assert "camera left: sharp: edges are" in said.out
+    assert "at focus 145; at 0, where it was, " in said.out
+    assert read_bench(bench).settings.cameras["left"].controls.focus == 145
+
+
+def test_focus_of_what_has_none_is_refused(bench, webcams, capsys) -> None:
+    assert main(["cameras", "look", "--config", "simulated", "--focus"]) == 2
+    assert "none of the cameras is a webcam with a focus" in capsys.readouterr().err
+    assert main(["cameras", "look", "--config", str(bench), "--focus", "--video", "left=a.avi"]) == 2
+    assert "--focus moves the lens of a webcam" in capsys.readouterr().err
+
+
+def test_a_picture_without_edges_is_blurred_at_any_focus(scene, capsys) -> None:
+    even = StandInCamera(Scene(picture=np.full_like(scene[::2, ::2], 120)), CameraDescription(formats=SMALL))
+    with plugged_in(even):
+        assert main(["cameras", "look", "--device", str(even.path), "--focus", "--json"]) == 3
+    found = json.loads(capsys.readouterr().out)["device"]
+    assert found["verdict"] == "poor"
+    assert set(found["edge_widths_px"].values()) == {None}
+
+
 def test_look_shows_a_device_that_is_on_no_bench(webcams, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["cameras", "look", "--device", webcams[1], "--pictures", "2", "--out", "shown"]) == 0
@@ -150,6 +267,13 @@ def test_look_shows_a_device_that_is_on_no_bench(webcams, tmp_path, monkeypatch,
     assert sorted(file.name for file in (tmp_path / "shown").iterdir()) == ["device-judged.png", "device.jpg"]
     assert main(["cameras", "look", "--device", webcams[1], "--write"]) == 2
     assert main(["cameras", "look", "--device", webcams[1], "--pictures", "0"]) == 2
+
+
+def test_a_picture_that_cannot_be_written_is_named(webcams, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "look" / "device.jpg").mkdir(parents=True)
+    assert main(["cameras", "look", "--device", webcams[1], "--pictures", "2"]) == 2
+    assert "--out: look/device.jpg cannot be written: Is a directory" in capsys.readouterr().err
 
 
 def test_look_through_pictures_tells_that_they_do_not_fit_the_calibration(
