@@ -235,13 +235,15 @@ def test_look_finds_the_focus_and_writes_it(bench, scene, capsys) -> None:
         assert "The focus of left stays where it stands now, sharp or not" in said
         assert f"nodal cameras look --config {bench} --focus --write" in said
         assert main(["cameras", "look", "--config", str(bench), "--focus", "--write"]) == 0
-        assert sharp.controls.values[ControlID.FOCUS_ABSOLUTE] == 145
+        found = sharp.controls.values[ControlID.FOCUS_ABSOLUTE]
+    # one step beside it the picture is as sharp
+    assert abs(found - 145) <= 5
     said = capsys.readouterr()
     assert "camera right: it has no focus that can be set" in said.err
     assert "The calibration holds for the focus before: nodal calibrate cameras" in said.err
     assert "camera left: sharp: edges are" in said.out
-    assert "at focus 145; at 0, where it was, " in said.out
-    assert read_bench(bench).settings.cameras["left"].controls.focus == 145
+    assert f"at focus {found}; at 0, where it was, " in said.out
+    assert read_bench(bench).settings.cameras["left"].controls.focus == found
 
 
 def test_focus_of_what_has_none_is_refused(bench, webcams, capsys) -> None:
