@@ -3,14 +3,14 @@
 import numpy as np
 
 from messaging.control import Action, ActionRequest, Reply
-from nodal.calibrate.robot.hand import Glimpse
+from nodal.calibrate.hand import Glimpse
 from nodal.virtual.bench import VirtualBench
 
 _LOOK_S = 0.03
 
 
 class VirtualHand:
-    """Implements `nodal.calibrate.robot.hand.Hand`."""
+    """Implements `nodal.calibrate.hand.Hand`."""
 
     def __init__(self, bench: VirtualBench) -> None:
         """The bench may be changed meanwhile: that is how things go wrong."""

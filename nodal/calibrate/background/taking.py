@@ -23,7 +23,7 @@ from nodal.calibrate.background.judging import CameraBackground, judged, refusal
 from nodal.calibrate.background.keeping import BackgroundFound, coded, keep, now, write_picture
 from nodal.calibrate.background.robot import RobotSeen, robot_seen
 from nodal.calibrate.background.statistics import Pictures
-from nodal.calibrate.base.looking import taken
+from nodal.calibrate.looking import taken
 from nodal.calibrate.person import person_at
 from nodal.calibration.folder import calibration_folder, own_bench
 from nodal.calibration_file import load_rig

@@ -15,9 +15,9 @@ from nodal.bench_settings import BenchSettings
 from nodal.calibrate.base.from_board import board_base
 from nodal.calibrate.base.from_robot import Look, RobotWay, backgrounds
 from nodal.calibrate.base.keeping import dated, keep, kept_bases
-from nodal.calibrate.base.looking import Jpegs, taken
+from nodal.calibrate.hand import BenchHand
+from nodal.calibrate.looking import Jpegs, taken
 from nodal.calibrate.person import Person, person_at
-from nodal.calibrate.robot.hand import BenchHand
 from nodal.calibration.folder import load_cameras, own_bench
 from nodal.cameras.chosen import chosen_cameras
 from nodal.errors import CommandError

@@ -11,7 +11,7 @@ from calibration.board import Board
 from calibration.camera_set import CameraSet
 from calibration.views import find_view
 from messaging.board import BoardSettings
-from nodal.calibrate.base.looking import Jpegs
+from nodal.calibrate.looking import Jpegs
 from nodal.errors import CalibrationError
 
 GREY = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION

@@ -12,10 +12,10 @@ from calibration.base_robot import Pose, Pull, base_from_robot
 from calibration.camera_set import CameraSet
 from drivers.cameras import Camera
 from nodal.bench_settings import BenchSettings
-from nodal.calibrate.base.looking import Jpegs, taken
 from nodal.calibrate.base.midlines import MidlineFinder, Midlines
 from nodal.calibrate.base.moving import Mover, moving_robot
-from nodal.calibrate.robot.hand import Hand
+from nodal.calibrate.hand import Hand
+from nodal.calibrate.looking import Jpegs, taken
 from nodal.errors import BenchFileError, CalibrationError
 from sensing.errors import RefusedError
 from sensing.pictures.picture import Picture

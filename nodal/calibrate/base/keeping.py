@@ -11,7 +11,7 @@ from calibration.base import Base, BasesFound, Way
 from calibration.camera_set import CameraSet
 from messaging.frames import CameraCalibration
 from nodal.bench_file import BenchFile
-from nodal.calibrate.base.looking import Jpegs
+from nodal.calibrate.looking import Jpegs
 from nodal.calibration.folder import calibration_folder, save_json
 from nodal.calibration_file import save_rig
 from nodal.errors import CalibrationFileError

@@ -9,7 +9,7 @@ from controller.limits import axis_name
 from controller.settings import JogSettings
 from messaging.control import Action, State
 from messaging.errors import UnansweredError
-from nodal.calibrate.robot.hand import Glimpse, Hand
+from nodal.calibrate.hand import Glimpse, Hand
 from nodal.errors import CalibrationError, RobotStoppedError
 
 NS_PER_S = 1e9

@@ -13,8 +13,8 @@ from messaging.errors import UnansweredError
 from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import BenchFile, read_bench
 from nodal.bench_settings import BenchSettings
+from nodal.calibrate.hand import BenchHand, Hand
 from nodal.calibrate.robot.experiment import experiment, plan_for, reach, seconds
-from nodal.calibrate.robot.hand import BenchHand, Hand
 from nodal.calibrate.robot.leading import Leader
 from nodal.calibrate.robot.progress import Progress
 from nodal.calibrate.robot.results import RobotFound, axes_found, identify

@@ -11,7 +11,7 @@ from controller.settings import ControllerSettings
 from controller.watch import distrust
 from messaging.control import Action, State
 from messaging.shape import ShapeEstimate
-from nodal.calibrate.robot.hand import Glimpse, Hand
+from nodal.calibrate.hand import Glimpse, Hand
 from nodal.errors import JogRefusedError, RobotStoppedError
 
 Array = NDArray[np.float64]

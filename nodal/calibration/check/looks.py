@@ -10,7 +10,7 @@ from messaging.control import TendonState
 from messaging.session import Session
 from messaging.shape import ShapeEstimate
 from nodal.bench_file import Bench
-from nodal.calibrate.base.looking import taken
+from nodal.calibrate.looking import taken
 from nodal.errors import CalibrationError
 from nodal.replay.frame_sets import FrameSetRecord, never_estimated, pictured
 from recordings.log import Log

@@ -19,7 +19,7 @@ from messaging.control import Action, ControllerState, Reply, State
 from nodal.bench_file import read_bench
 from nodal.calibrate.base.from_robot import RobotWay
 from nodal.calibrate.base.moving import moving_robot
-from nodal.calibrate.robot.hand import BenchHand, Glimpse
+from nodal.calibrate.hand import BenchHand, Glimpse
 from nodal.errors import CalibrationError, RobotStoppedError
 
 TURN_S, TURN_MM = 0.1, 0.25
@@ -226,6 +226,6 @@ class BusWithoutServos:
 
 
 def test_a_bench_without_servos_is_told_of_and_not_waited_for_without_end(monkeypatch):
-    monkeypatch.setattr("nodal.calibrate.robot.hand.DRIVE_SOUGHT_S", 0.1)
+    monkeypatch.setattr("nodal.calibrate.hand.DRIVE_SOUGHT_S", 0.1)
     with pytest.raises(CalibrationError, match="servos are not heard: /dev/ttyUSB0 is not there"):
         BenchHand(BusWithoutServos()).watch()

@@ -1,4 +1,4 @@
-"""What moves and watches the robot while it is identified: a bench on the bus, asked as an operator asks it."""
+"""What moves and watches the robot during calibration: a bench on the bus, asked as an operator asks it."""
 
 import dataclasses
 import time
