@@ -1,66 +1,40 @@
 """Live progress on stderr: a table that is redrawn on a terminal, a line now and then elsewhere."""
 
 import time
-from types import TracebackType
-from typing import Self
 
 import numpy as np
-from rich.console import Console
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
 from nodal.demo.telemetry import Telemetry
+from nodal.live_display import LiveDisplay
 from nodal.processes.launcher import Launcher
 
 REDRAW_S = 0.5
 LINE_S = 2.0
 
 
-class Progress:
+class Progress(LiveDisplay):
     """Shows how the bench fares. `show` is called often and draws rarely."""
 
     def __init__(self, launcher: Launcher, telemetry: Telemetry, watched: str, seconds: float) -> None:
         """`watched` is the nodal point whose place is shown, `seconds` how long the demo takes."""
+        super().__init__(REDRAW_S, LINE_S)
         self._launcher = launcher
         self._telemetry = telemetry
         self._watched = watched
         self._seconds = seconds
-        self._console = Console(stderr=True)
-        self._live = Live(console=self._console, auto_refresh=False, transient=True)
         self._start_s = time.monotonic()
-        self._next_s = 0.0
-
-    def __enter__(self) -> Self:
-        """Begin to draw."""
-        if self._console.is_terminal:
-            self._live.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Leave the terminal as it was."""
-        if self._console.is_terminal:
-            self._live.stop()
-
-    def say(self, text: str) -> None:
-        """One line that stays."""
-        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def show(self) -> None:
         """Draw if it is time to."""
-        now_s = time.monotonic()
-        if now_s < self._next_s:
-            return
-        self._next_s = now_s + (REDRAW_S if self._console.is_terminal else LINE_S)
-        facts = self._facts(now_s - self._start_s)
-        if self._console.is_terminal:
-            self._live.update(_table(facts), refresh=True)
-        else:
-            self.say(" | ".join(f"{name} {value}" for name, value in facts.items()))
+        self.draw(
+            lambda: _table(self._facts()),
+            lambda: " | ".join(f"{name} {value}" for name, value in self._facts().items()),
+        )
 
-    def _facts(self, elapsed_s: float) -> dict[str, str]:
+    def _facts(self) -> dict[str, str]:
+        elapsed_s = time.monotonic() - self._start_s
         shape, controller = self._telemetry.shape, self._telemetry.controller
         facts = {"time": f"{elapsed_s:.0f} of about {self._seconds:.0f} s"}
         if shape is None:

@@ -1,18 +1,15 @@
 """How the taking of views goes: drawn anew on a terminal, a line for each view elsewhere."""
 
-import time
 from collections.abc import Iterable
-from types import TracebackType
-from typing import Self
 
 import numpy as np
-from rich.console import Console, Group
-from rich.live import Live
+from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
 from calibration.views import Size, View
 from nodal.calibrate.cameras.taking import Taking
+from nodal.live_display import LiveDisplay
 
 COLUMNS, ROWS = 16, 9
 SHADES = " ░▒▓█"
@@ -22,38 +19,20 @@ MOST_WANTED = 4
 LINE_S, DRAWN_S = 3.0, 0.3
 
 
-class TakingProgress:
+class TakingProgress(LiveDisplay):
     """Shows a `Taking`; `show` is called after each look, and while there is nothing to look at."""
 
     def __init__(self) -> None:
-        self._console = Console(stderr=True)
-        self._live = Live(console=self._console, auto_refresh=False, transient=True)
-        self._next_s = 0.0
-
-    def __enter__(self) -> Self:
-        """Begin to draw."""
-        if self._console.is_terminal:
-            self._live.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Leave the terminal as it was."""
-        if self._console.is_terminal:
-            self._live.stop()
+        super().__init__(DRAWN_S, LINE_S)
 
     def show(self, taking: Taking, waiting: str = "") -> None:
         """Draw, or say what is new; `waiting` says why there is nothing to look at."""
-        terminal = self._console.is_terminal
-        news = not waiting and (terminal or (taking.verdict is not None and taking.verdict.taken))
-        if not news and time.monotonic() < self._next_s:
-            return
-        self._next_s = time.monotonic() + (DRAWN_S if terminal else LINE_S)
-        if terminal:
-            self._live.update(drawn(taking, waiting), refresh=True)
-        else:
-            self._console.print(in_one_line(taking, waiting), highlight=False, markup=False, soft_wrap=True)
+        taken = taking.verdict is not None and taking.verdict.taken
+        self.draw(
+            lambda: drawn(taking, waiting),
+            lambda: in_one_line(taking, waiting),
+            news=not waiting and (self.is_terminal or taken),
+        )
 
 
 def in_one_line(taking: Taking, waiting: str = "") -> str:
