@@ -27,6 +27,8 @@ class PullFound(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     off_deg: float
     bend_mm: float
     """How far the tip moved between both ends of the pull."""
+    reversed: bool = False
+    """Whether it bent the robot the opposite way, by most of the others; `off_deg` is from there then."""
 
 
 class RobotFound(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -1,8 +1,8 @@
 """The robot frame from the robot itself: the stage's travel, where its midline begins, and which way its tendons bend it.
 
 Z is the direction in which everything moves with the stage. The origin is where midlines of the known length begin, at the
-place that the stage calls zero. The roll about Z is the one with which the robot bends towards each tendon by its known
-angle; a robot that is not straight at rest, or that hangs, does not disturb it, since both ends of each pull are compared.
+place that the stage calls zero. The roll about Z is the one with which the robot bends towards most tendons by their known
+angles, and exactly away from the others: their signs are wrong. A robot that is not straight at rest, or that hangs, does not disturb it, since both ends of each pull are compared.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
+from numpy.typing import NDArray
 
 from calibration.base import Array, Base, Matrix4, Matrix6, PullFound, RobotFound
 from calibration.errors import BasePosesError
@@ -21,7 +22,7 @@ LEAST_BEND_MM = 2.0
 LEAST_PULLS = 2
 LARGEST_OFF_DEG = 15.0
 """Pulls that disagree by more about the roll are not those of the tendons that they are said to be."""
-SCALE_TOLERANCE = 0.03
+LARGEST_SCALE_OFF = 0.03
 """The cameras see the stage's travel within this share, or one of them is wrong."""
 TRAVEL_FLOOR_MM = 0.01
 """What the cameras see of a travel is no more exact than this: edges, lenses."""
@@ -60,12 +61,18 @@ def base_from_robot(pulls: Sequence[Pull], travel: Sequence[Pose], residual_px: 
 
     During the `travel` tendons keep their place; it is empty for a robot without a stage, where the direction in which the
     robot leaves its holder stands in. `residual_px` by camera is handed on; the residual in mm is that of where the midlines
-    begin. Raises BasePosesError when the poses do not determine the frame or contradict it.
+    begin. Raises BasePosesError when the poses do not determine the frame or contradict it, also where a sign
+    must be wrong and it cannot be told which.
     """
     poses = [*(pose for pull in pulls for pose in (*pull.least, *pull.most)), *travel]
     beginnings = [_beginning(pose) for pose in poses]
     leaving = _mean_direction([direction for _, direction in beginnings])
     stage = _travel(travel) if travel else _Travel(leaving, LEAN_RAD, 0.0, 1.0)
+    if leaving @ stage.direction < 0.0:
+        raise BasePosesError(
+            "the stage says that it goes up while the robot goes down, back into its holder: "
+            "servos.stage.mm_per_rad has the wrong sign"
+        )
     lifts = [pose.insertion_mm * stage.direction for pose in poses]
     starts = np.array([start - lift for (start, _), lift in zip(beginnings, lifts, strict=True)])
     rough = _frame(stage.direction, starts.mean(axis=0))
@@ -115,7 +122,7 @@ def _travel(poses: Sequence[Pose]) -> _Travel:
     from_middle = place_mm - place_mm.mean()
     slope = from_middle @ points / (from_middle @ from_middle)
     scale = float(np.linalg.norm(slope))
-    if abs(scale - 1.0) > SCALE_TOLERANCE:
+    if abs(scale - 1.0) > LARGEST_SCALE_OFF:
         raise BasePosesError(
             f"the stage says that it went {range_mm:.1f} mm, and the cameras saw {scale * range_mm:.1f} mm: "
             "correct servos.stage.mm_per_rad, or the board's square_mm and calibrate the cameras anew"
@@ -160,15 +167,15 @@ def _roll(pulls: Sequence[Pull], rig_from_rough: Array) -> tuple[tuple[PullFound
             f"{LEAST_PULLS} are needed: take out their slack, or pull further"
         )
     turns = [complex(*bend.sum(axis=0)) * np.exp(-1j * pull.angle_rad) for pull, bend in seen]
-    roll_rad = float(np.angle(sum(turn * abs(turn) for turn in turns)))
-    off_rad = np.angle(np.array(turns) * np.exp(-1j * roll_rad))
+    roll_rad, signs = _line(np.array(turns), [pull.name for pull, _ in seen])
+    off_rad = np.angle(signs * turns * np.exp(-1j * roll_rad))
     if np.abs(off_rad).max() > np.radians(LARGEST_OFF_DEG):
         told = ", ".join(
             f"{pull.name} {off:+.0f}" for (pull, _), off in zip(seen, np.degrees(off_rad), strict=True)
         )
         raise BasePosesError(
             f"tendons do not bend the robot as their angles in controller.sections say; they are off by degrees: {told}; "
-            "correct the angles, or what is wired or signed the wrong way"
+            "correct the angles, or what is wired to another place"
         )
     found = tuple(
         PullFound(
@@ -176,11 +183,28 @@ def _roll(pulls: Sequence[Pull], rig_from_rough: Array) -> tuple[tuple[PullFound
             angle_deg=float(np.degrees(pull.angle_rad)),
             off_deg=float(np.degrees(off)),
             bend_mm=float(np.linalg.norm(bend[-1])),
+            reversed=bool(sign < 0),
         )
-        for (pull, bend), off in zip(seen, off_rad, strict=True)
+        for (pull, bend), off, sign in zip(seen, off_rad, signs, strict=True)
     )
     sigma_rad = float(np.hypot(off_rad.std() / np.sqrt(len(off_rad) - 1), ROLL_FLOOR_RAD))
     return found, roll_rad, sigma_rad
+
+
+def _line(turns: NDArray[np.complex128], names: Sequence[str]) -> tuple[float, Array]:
+    """The roll that the turns (n,) agree on but for half a turn, and the sign (n,) with which each of them does.
+
+    Most of them are taken to be right; raises BasePosesError where as many say one thing as the opposite.
+    """
+    roll_rad = float(np.angle((turns**2).sum()) / 2)
+    signs = np.where((turns * np.exp(-1j * roll_rad)).real > 0, 1.0, -1.0)
+    if signs.sum() == 0:
+        one, other = (", ".join(np.array(names)[signs == sign]) for sign in (signs[0], -signs[0]))
+        raise BasePosesError(
+            f"{one} say that the robot stands one way round, {other} the opposite, so that the signs of either are wrong: turn "
+            "mm_per_rad round for those that do not bend the robot towards their angle while `nodal do jog` pulls them"
+        )
+    return (roll_rad, signs) if signs.sum() > 0 else (roll_rad + np.pi, -signs)
 
 
 def _bend(pull: Pull) -> Array:

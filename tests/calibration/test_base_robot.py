@@ -129,11 +129,43 @@ def test_a_stage_whose_travel_is_another_than_the_cameras_see_is_refused():
         base_from_robot(pulls(true), travel(true, (0.0, 5.5, 11.0, 16.5), scale=1.1), {})
 
 
-def test_a_tendon_that_is_signed_the_wrong_way_is_named():
+def test_a_stage_with_the_wrong_sign_is_named():
     true = frame()
-    wrong = (0.0, np.pi / 2, np.pi / 4 + np.pi, 3 * np.pi / 4)
-    with pytest.raises(BasePosesError, match=r"off by degrees: .*tendon 2 [+-]1\d\d"):
-        base_from_robot(pulls(true, said=wrong), travel(true), {})
+    counted_down = [
+        Pose(pose(true, AT_REST, up_mm).points_mm, insertion_mm=20.0 - up_mm) for up_mm in (0.0, 5.0, 10.0)
+    ]
+    with pytest.raises(BasePosesError, match=r"servos\.stage\.mm_per_rad has the wrong sign"):
+        base_from_robot(pulls(true), counted_down, {})
+
+
+def signed(*wrong):
+    """What tendons' angles are said to be where the signs of these are wrong."""
+    return [angle + np.pi * (number in wrong) for number, angle in enumerate(ANGLES)]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "opposed", "turned"), [((2,), {2}, False), ((0, 1, 3), {2}, True), ((0, 1, 2, 3), set(), True)]
+)
+def test_wrong_signs_are_told_from_right_ones_by_most_tendons(wrong, opposed, turned):
+    true = frame()
+    base = base_from_robot(pulls(true, said=signed(*wrong)), travel(true), {})
+    assert {number for number, pull in enumerate(base.robot.pulls) if pull.reversed} == opposed
+    assert max(abs(pull.off_deg) for pull in base.robot.pulls) < 0.5
+    roll_rad = abs(apart_from(true, base.matrix).roll_rad)
+    assert roll_rad == pytest.approx(np.pi if turned else 0.0, abs=0.01)
+
+
+def test_as_many_wrong_signs_as_right_ones_are_refused_with_both_readings():
+    true = frame()
+    with pytest.raises(BasePosesError, match=r"tendon 0, tendon 3 say .*, tendon 1, tendon 2 the opposite"):
+        base_from_robot(pulls(true, said=signed(0, 3)), travel(true), {})
+
+
+def test_a_tendon_in_another_place_is_named():
+    true = frame()
+    elsewhere = (0.0, np.pi / 2, np.pi / 4 + np.pi / 3, 3 * np.pi / 4)
+    with pytest.raises(BasePosesError, match=r"off by degrees: .*tendon 2 [+-][345]\d"):
+        base_from_robot(pulls(true, said=elsewhere), travel(true), {})
 
 
 def test_slack_tendons_have_no_say_and_two_must_have_one():

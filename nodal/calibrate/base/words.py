@@ -11,7 +11,7 @@ from nodal.calibrate.base.finding import Check, Outcome
 
 LEAN_TOLERANCE_DEG = 1.0
 """Sensing takes it that the robot leaves its holder along the axis, within half of this."""
-SCALE_TOLERANCE = 0.01
+SCALE_NOTICED = 0.01
 GOOD_PX, POOR_PX = 0.15, 0.5
 
 
@@ -77,7 +77,8 @@ def _found(base: Base) -> Iterator[str]:
         )
     for pull in base.robot.pulls:
         yield (
-            f"  {pull.name}: moved the tip by {pull.bend_mm:.1f} mm, {pull.off_deg:+.2f} degrees off {pull.angle_deg:g} degrees"
+            f"  {pull.name}: moved the tip by {pull.bend_mm:.1f} mm, {pull.off_deg:+.2f} degrees off "
+            f"{'the opposite of ' * pull.reversed}{pull.angle_deg:g} degrees"
         )
 
 
@@ -91,6 +92,13 @@ def _doubts(base: Base) -> Iterator[str]:
         yield f"the residual by the {base.way} is poor: calibrate the cameras anew, or look whether one was moved since"
     if base.robot is None:
         return
+    if opposed := [pull.name for pull in base.robot.pulls if pull.reversed]:
+        others = ", ".join(pull.name for pull in base.robot.pulls if not pull.reversed)
+        yield (
+            f"{', '.join(opposed)} bend the robot the other way than {others} say: the signs of {', '.join(opposed)} are taken to be "
+            "wrong, and `nodal calibrate robot` will correct them. If the X axis in the pictures points away from where it "
+            f"should, they are right: turn mm_per_rad round for {others}, and find the base again"
+        )
     if not base.robot.travel_mm:
         yield "without a stage, Z is the direction in which the robot leaves its holder, known to a degree or so"
     if base.robot.lean_deg > LEAN_TOLERANCE_DEG:
@@ -98,7 +106,7 @@ def _doubts(base: Base) -> Iterator[str]:
             f"the robot leaves its holder {base.robot.lean_deg:.1f} degrees off the stage's direction: sensing takes it for "
             "less than half a degree; straighten it in its holder"
         )
-    if abs(base.robot.stage_scale - 1.0) > SCALE_TOLERANCE:
+    if abs(base.robot.stage_scale - 1.0) > SCALE_NOTICED:
         yield (
             f"the cameras saw {100 * base.robot.stage_scale:.1f} % of the stage's travel: servos.stage.mm_per_rad or the "
             "board's square_mm is wrong"
