@@ -3,7 +3,7 @@
 import argparse
 import dataclasses
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from calibration.base import Base, Difference, Way, difference
 from calibration.camera_set import CameraSet
@@ -22,6 +22,7 @@ from nodal.calibration.folder import load_cameras, own_bench
 from nodal.cameras.chosen import chosen_cameras
 from nodal.errors import CommandError
 from nodal.processes.missing import with_processes
+from nodal.running import stop_on_signals
 from sensing.errors import SensingError
 from sensing.method import bench_method
 from sensing.shape import Shape
@@ -76,7 +77,10 @@ def find_base(arguments: argparse.Namespace) -> Outcome:
             bases["board"], pictures = _by_board(settings, cameras, running, person)
         if "robot" in ways and person is not None:
             person.please(Scene.ROBOT)
-            base, look = RobotWay(settings, cameras, running, arguments.pull).found(BenchHand(session))
+            turned = _until_interrupted()
+            way = RobotWay(settings, cameras, running, arguments.pull, turned)
+            base, look = way.found(BenchHand(session))
+            turned()
             bases["robot"], pictures = dated(base, cameras), look.sets[0]
         elif person is not None:
             person.please(Scene.ROBOT)
@@ -92,6 +96,19 @@ def find_base(arguments: argparse.Namespace) -> Outcome:
         difference=difference(bases["board"], bases["robot"]) if both else None,
         check=None if look is None else _check(settings, rig, look),
     )
+
+
+def _until_interrupted() -> Callable[[], None]:
+    """Raises KeyboardInterrupt when it is called after SIGINT, SIGTERM or SIGHUP, which end the process no more where it stands:
+    a controller that runs on would hold the tendons.
+    """
+    stop = stop_on_signals()
+
+    def turned() -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+
+    return turned
 
 
 def _by_board(

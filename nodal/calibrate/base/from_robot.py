@@ -1,7 +1,7 @@
 """Where the robot stands, from the robot itself: tendons pulled, the stage moved, midlines measured."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -53,10 +53,17 @@ class RobotWay:
     """Leads the robot and looks at it; then finds its frame among the cameras."""
 
     def __init__(
-        self, settings: BenchSettings, cameras: CameraSet, running: Sequence[Camera], pull_mm: float
+        self,
+        settings: BenchSettings,
+        cameras: CameraSet,
+        running: Sequence[Camera],
+        pull_mm: float,
+        turned: Callable[[], None],
     ) -> None:
-        """`running` are all cameras of the set; `pull_mm` is how far each tendon or pair is pulled."""
-        self._settings, self._running, self._pull_mm = settings, running, pull_mm
+        """`running` are all cameras of the set; `pull_mm` is how far each tendon or pair is pulled. `turned` is called again
+        and again, and may raise to end it.
+        """
+        self._settings, self._running, self._pull_mm, self._turned = settings, running, pull_mm, turned
         self._tendons = settings.controller.kinematics(settings.robot).tendons
         self._scene = rig_scene(settings, cameras)
         self._finder: MidlineFinder | None = None
@@ -66,7 +73,7 @@ class RobotWay:
 
         Raises CalibrationError, RobotStoppedError, BasePosesError, CameraError.
         """
-        with moving_robot(hand, self._settings.controller.jog, self._tendons) as mover:
+        with moving_robot(hand, self._settings.controller.jog, self._tendons, self._turned) as mover:
             pulls = [seen for axis in range(self._tendons) for seen in self._pulled(mover, axis)]
             bent = [self._pictures(end.sets[0]) for pull in pulls for end in (pull.least, pull.most)]
             length_mm = self._settings.robot.length_mm
@@ -171,6 +178,7 @@ class RobotWay:
         """Those of a look's sets in which the robot is seen well; raises CalibrationError when it is in none."""
         found, reason = [], ""
         for jpegs in look.sets:
+            self._turned()
             try:
                 found.append(self._midline(jpegs))
             except RefusedError as error:

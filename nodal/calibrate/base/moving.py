@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from controller.limits import axis_name
@@ -25,9 +25,11 @@ _LED = (State.UNHOMED, State.READY, State.HOLD)
 class Mover:
     """Jogs axes and waits until they are there."""
 
-    def __init__(self, hand: Hand, settings: JogSettings, tendons: int) -> None:
-        """`tendons` is the number of tendons or pairs; what comes behind them is the stage."""
-        self._hand, self._settings, self._tendons = hand, settings, tendons
+    def __init__(self, hand: Hand, settings: JogSettings, tendons: int, turned: Callable[[], None]) -> None:
+        """`tendons` is the number of tendons or pairs; what comes behind them is the stage. `turned` is called on every turn
+        of every wait but that for the tendons to be let go, and may raise.
+        """
+        self._hand, self._settings, self._tendons, self._turned = hand, settings, tendons, turned
 
     @property
     def stage_mm(self) -> float:
@@ -44,14 +46,14 @@ class Mover:
     def settled_ns(self) -> int:
         """Wait until the robot stands still, and tell the moment from which on it does (monotonic)."""
         what = "waiting until the robot stands still"
-        end_s = self._checked(self._hand.watch(), what).now_s + SETTLED_S
-        while self._checked(self._hand.watch(), what).now_s < end_s:
+        end_s = self._watched(what).now_s + SETTLED_S
+        while self._watched(what).now_s < end_s:
             pass
         return int(end_s * NS_PER_S)
 
     def attend(self) -> None:
         """Look after the robot while something else is waited for; raises RobotStoppedError when it is not led any more."""
-        self._checked(self._hand.watch(), "looking at the robot")
+        self._watched("looking at the robot")
 
     def let_go(self) -> None:
         """Relax the tendons; stop where that is refused. Returns when they are let go, or says that nobody answers."""
@@ -62,6 +64,7 @@ class Mover:
                 while glimpse.state not in _LET_GO and glimpse.now_s < end_s:
                     glimpse = self._hand.watch()
                 if glimpse.state in _LET_GO:
+                    print("the tendons are let go", file=sys.stderr)
                     return
             self._hand.ask(Action.STOP)
         except (UnansweredError, CalibrationError) as error:
@@ -80,23 +83,26 @@ class Mover:
             raise RobotStoppedError(f"{what} was refused: {reply.reason}", reply.advice)
         end_s = before.now_s + abs(distance_mm) / self._settings.mm_s + PATIENCE_S
         while True:
-            glimpse = self._checked(self._hand.watch(), what)
+            glimpse = self._watched(what)
             if abs(glimpse.command_mm[axis] - told_mm - distance_mm) < THERE_MM:
                 return
             if glimpse.now_s > end_s:
                 raise RobotStoppedError(f"{what} did not end in time")
 
-    @staticmethod
-    def _checked(glimpse: Glimpse, what: str) -> Glimpse:
+    def _watched(self, what: str) -> Glimpse:
+        self._turned()
+        glimpse = self._hand.watch()
         if glimpse.state not in _LED:
             raise RobotStoppedError(f"{what} ended in {glimpse.state}: {glimpse.reason}", glimpse.advice)
         return glimpse
 
 
 @contextmanager
-def moving_robot(hand: Hand, settings: JogSettings, tendons: int) -> Iterator[Mover]:
+def moving_robot(
+    hand: Hand, settings: JogSettings, tendons: int, turned: Callable[[], None]
+) -> Iterator[Mover]:
     """A mover; however the block is left, the tendons are let go. Raises RobotStoppedError when the robot is not free to be led."""
-    mover, found = Mover(hand, settings, tendons), hand.watch()
+    mover, found = Mover(hand, settings, tendons, turned), hand.watch()
     if found.state not in (State.IDLE, *_LED):
         raise RobotStoppedError(
             f"the robot is not led: its controller is in {found.state}: {found.reason}", found.advice

@@ -123,6 +123,12 @@ def bench(tmp_path):
 
 
 @pytest.fixture(scope="session")
+def make_bench():
+    """Writes the file of such a bench into a folder."""
+    return write_bench
+
+
+@pytest.fixture(scope="session")
 def first_calibration(tmp_path_factory, shots):
     """The bench file of a bench whose cameras were calibrated with `shots`, and what was printed."""
     bench = write_bench(tmp_path_factory.mktemp("calibrated"))

@@ -1,11 +1,16 @@
 """The robot frame by the robot itself: a simulated robot in virtual time, photographed by simulated cameras."""
 
+import os
+import signal
+import threading
+from contextlib import nullcontext
 from types import SimpleNamespace
 
+import msgspec
 import numpy as np
 import pytest
 
-from calibration.base import apart_from
+from calibration.base import BasesFound, apart_from
 from calibration.camera_set import CameraSet
 from controller.settings import JogSettings
 from drivers.cameras import CameraFrame
@@ -16,11 +21,14 @@ from drivers.simulated.robot.robot import SimulatedRobot
 from drivers.simulated.robot.settings import SimulatedRobotSettings
 from messaging import topics
 from messaging.control import Action, ControllerState, Reply, State
-from nodal.bench_file import read_bench
-from nodal.calibrate.base.from_robot import RobotWay
+from nodal.__main__ import main
+from nodal.calibrate.base import finding
 from nodal.calibrate.base.moving import moving_robot
 from nodal.calibrate.hand import BenchHand, Glimpse
+from nodal.calibration.folder import save_json
+from nodal.calibration_file import load_rig
 from nodal.errors import CalibrationError, RobotStoppedError
+from nodal.running import ENDING
 
 TURN_S, TURN_MM = 0.1, 0.25
 TENDONS = 4
@@ -29,7 +37,8 @@ TENDONS = 4
 class VirtualHand:
     """A controller that jogs and relaxes as the real one does, and the robot that it moves, in a time of their own."""
 
-    def __init__(self, robot=None, stage_mm=0.0):
+    def __init__(self, robot=None, stage_mm=0.0, wrong=()):
+        """`wrong` are tendons that go the other way than they are told."""
         self.now_s = 1000.0
         self.state = State.IDLE
         self.asked = []
@@ -37,11 +46,14 @@ class VirtualHand:
         self.goal_mm = self.command_mm.copy()
         self.refuse_after = np.inf
         self.fault_after = self.silent_after = np.inf
+        self.at_jog = {}
         self._robot = robot
+        self._signs = np.where(np.isin(np.arange(TENDONS), wrong), -1.0, 1.0)
         self._step()
 
     def ask(self, action, axis="", distance_mm=0.0):
         self.asked.append((action, axis, distance_mm))
+        self.at_jog.get(len(self.asked), lambda: None)()
         if len(self.asked) > self.refuse_after and action is Action.JOG:
             return Reply(accepted=False, state=self.state, reason="beyond its travel", advice="turn it back")
         if action is Action.JOG:
@@ -75,7 +87,9 @@ class VirtualHand:
         self.now_s += TURN_S
         self.command_mm += np.clip(self.goal_mm - self.command_mm, -TURN_MM, TURN_MM)
         if self._robot is not None:
-            step = self._robot.step(self.command_mm[:TENDONS], float(self.command_mm[-1]), TURN_S)
+            step = self._robot.step(
+                self._signs * self.command_mm[:TENDONS], float(self.command_mm[-1]), TURN_S
+            )
             self.centreline_mm = step.shape.centreline_mm
 
 
@@ -106,19 +120,35 @@ class VirtualCamera:
         pass
 
 
-@pytest.fixture(scope="module")
-def found():
-    """The frame by the way of the robot, and the hand that it was led with."""
+def calibrate_base(bench, hand, *words):
+    """The command's status on a bench whose cameras are calibrated, with this hand in place of its processes."""
     rig = default_cameras()
-    hand = VirtualHand(SimulatedRobot(SimulatedRobotSettings()))
+    (bench.parent / "calibration").mkdir()
+    save_json(bench.parent / "calibration" / "cameras.json", CameraSet.of_rig(rig))
     cameras = [VirtualCamera(hand, camera, seed) for seed, camera in enumerate(rig)]
-    way = RobotWay(read_bench("simulated").settings, CameraSet.of_rig(rig), cameras, pull_mm=2.0)
-    base, look = way.found(hand)
-    return rig, hand, base, look
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(finding, "with_processes", lambda *_: nullcontext())
+        patch.setattr(finding, "open_cameras", lambda *_, **__: nullcontext(cameras))
+        patch.setattr(finding, "person_at", lambda *_: SimpleNamespace(please=lambda scene: None))
+        patch.setattr(finding, "BenchHand", lambda _: hand)
+        return main(["calibrate", "base", "--config", str(bench), "--robot", *words])
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, make_bench):
+    """The bench that was calibrated by its robot, the base, and the hand that led it; its first tendon has the wrong sign."""
+    bench = make_bench(tmp_path_factory.mktemp("base"))
+    hand = VirtualHand(SimulatedRobot(SimulatedRobotSettings()), wrong=(0,))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(finding, "stop_on_signals", threading.Event)
+        assert calibrate_base(bench, hand) == 0
+    kept = msgspec.json.decode((bench.parent / "calibration/base.json").read_bytes(), type=BasesFound)
+    return bench, hand, kept.robot
 
 
 def test_the_frame_is_found_as_exactly_as_is_said_of_it(found):
-    rig, _, base, _ = found
+    _, _, base = found
+    rig = default_cameras()
     apart = apart_from(rig[0].camera_from_robot, base.matrix)
     assert apart.origin_mm < min(0.2, 3 * base.origin_sigma_mm)
     assert apart.axis_rad < min(np.radians(0.1), 3 * base.axis_sigma_rad)
@@ -129,16 +159,48 @@ def test_the_frame_is_found_as_exactly_as_is_said_of_it(found):
 
 
 def test_the_robot_is_led_back_and_let_go(found):
-    _, hand, _, look = found
+    _, hand, _ = found
     assert hand.asked[-1][0] is Action.RELAX
     assert hand.command_mm == pytest.approx(np.zeros(TENDONS + 1), abs=1e-6)
     assert max(abs(distance) for _, _, distance in hand.asked) <= JogSettings().at_most_mm
-    assert look.insertion_mm == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_rig_is_written_in_the_frame_that_was_found(found):
+    bench, _, base = found
+    for true, written in zip(default_cameras(), load_rig(bench.parent / "calibration/rig.json"), strict=True):
+        camera_from_rig = true.camera_from_robot @ np.linalg.inv(default_cameras()[0].camera_from_robot)
+        np.testing.assert_allclose(written.camera_from_robot, camera_from_rig @ base.matrix, atol=1e-9)
+
+
+def test_a_wrong_sign_is_no_hindrance_and_told_of(found):
+    _, _, base = found
+    assert [pull.reversed for pull in base.robot.pulls] == [True, False, False, False]
+
+
+@pytest.fixture
+def own_signals():
+    """Signals are handled as before afterwards."""
+    before = {number: signal.getsignal(number) for number in ENDING}
+    yield
+    signal.set_wakeup_fd(-1)
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", ENDING)
+@pytest.mark.usefixtures("own_signals")
+def test_a_signal_lets_the_tendons_go_and_nothing_is_written(bench, number, capsys):
+    hand = VirtualHand(SimulatedRobot(SimulatedRobotSettings()))
+    hand.at_jog = {3: lambda: os.kill(os.getpid(), number)}
+    assert calibrate_base(bench, hand) == 130
+    assert hand.asked[-1][0] is Action.RELAX
+    assert "the tendons are let go" in capsys.readouterr().err
+    assert not (bench.parent / "calibration/rig.json").exists()
 
 
 def lead(hand, *jogs, at_most_mm=5.0, error=None):
     """Jog axes by distances, then meet with an error if there is one."""
-    with moving_robot(hand, JogSettings(at_most_mm=at_most_mm), TENDONS) as mover:
+    with moving_robot(hand, JogSettings(at_most_mm=at_most_mm), TENDONS, lambda: None) as mover:
         for axis, distance_mm in jogs:
             mover.jog(axis, distance_mm)
         if error is not None:
