@@ -5,6 +5,7 @@ camera's `camera_from_rig` is the identity. Where the robot stands in it is foun
 """
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -84,7 +85,7 @@ class BoardCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
 class CameraSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """All cameras of a bench, and how they were calibrated."""
 
-    cameras: tuple[CalibratedCamera, ...]
+    cameras: Annotated[tuple[CalibratedCamera, ...], msgspec.Meta(min_length=1)]
     board: BoardSettings | None = None
     made_at: str = ""
     """ISO 8601, UTC."""

@@ -72,7 +72,7 @@ def write(out: Path, calibration: Calibration, choices: Choices) -> Calibration:
     return replace(calibration, notes=tuple(notes))
 
 
-def _places(source: str, chain: Sequence[dict[str, Any]]) -> Iterator[Array]:
+def _places(source: str, chain: Sequence[Any]) -> Iterator[Array]:
     where = np.eye(4)
     yield where
     for number, one in enumerate(chain[1:], start=1):
@@ -82,7 +82,7 @@ def _places(source: str, chain: Sequence[dict[str, Any]]) -> Iterator[Array]:
         yield where
 
 
-def _camera(source: str, name: str, one: dict[str, Any], where: Array) -> CalibratedCamera:
+def _camera(source: str, name: str, one: Any, where: Array) -> CalibratedCamera:
     model, lens = entry(source, one, "camera_model"), entry(source, one, "distortion_model")
     if model != "pinhole" or lens not in ("radtan", "none"):
         raise CalibrationFileError(

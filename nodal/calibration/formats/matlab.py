@@ -6,14 +6,18 @@ PoseCamera2 (rigidtform3d) for points as columns. The first pixel's centre is at
 both ways. ImageSize is [rows, columns], RadialDistortion k1, k2 and maybe k3, TangentialDistortion p1, p2 as in OpenCV.
 """
 
+import io
+import pickle
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat, savemat
-from scipy.io.matlab import MatReadError
+from scipy.io import savemat
+from scipy.io.matlab import MatReadError, matfile_version
 
 from calibration.camera_set import CalibratedCamera, CameraSet
 from nodal.calibration.formats.calibration import (
@@ -28,14 +32,21 @@ from nodal.calibration.formats.calibration import (
 )
 from nodal.errors import CalibrationFileError
 
-UNITS_MM = {
+WORLD_UNITS_MM = {
     **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 1.0),
     **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre", "centimetres"), 10.0),
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1000.0),
     **dict.fromkeys(("in", "inch", "inches"), 25.4),
 }
+CAMERAS = "CameraParameters1", "CameraParameters2"
 FIRST_PIXEL = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
 """How much further K's principal point is in MATLAB."""
+HDF_VERSION = 2
+"""scipy's number for version 7.3."""
+LOADING = (
+    "import io, pickle, sys; from scipy.io import loadmat; "
+    "pickle.dump(loadmat(io.BytesIO(sys.stdin.buffer.read()), simplify_cells=True), sys.stdout.buffer)"
+)
 AS_STRUCT = "in MATLAB: s = toStruct(stereoParams); save('stereo.mat', 's', '-v7')"
 
 Fields = Mapping[str, Any]
@@ -103,23 +114,39 @@ def write(out: Path, calibration: Calibration, choices: Choices) -> Calibration:
 
 
 def _stereo_struct(file: Path) -> Fields:
-    try:
-        content = loadmat(file, simplify_cells=True, appendmat=False)
-    except NotImplementedError as error:
-        raise CalibrationFileError(
-            f"{file}: saved as version 7.3, which is not read here; save it as version 7, {AS_STRUCT}"
-        ) from error
-    except OSError as error:
-        raise CalibrationFileError(f"{file}: cannot be read: {error.strerror}") from error
-    except (MatReadError, ValueError, TypeError, KeyError) as error:
-        raise CalibrationFileError(f"{file}: not a .mat file: {error}") from error
+    content = _content(file)
     for candidate in (content, *content.values()):
-        if isinstance(candidate, dict) and "CameraParameters1" in candidate:
+        if isinstance(candidate, dict) and all(isinstance(candidate.get(part), dict) for part in CAMERAS):
             return candidate
     held = ", ".join(name for name in content if not name.startswith("__")) or "nothing that can be read"
     raise CalibrationFileError(
         f"{file}: no struct with CameraParameters1 and CameraParameters2 in it, but {held}; an object has to be made a struct, {AS_STRUCT}"
     )
+
+
+def _content(file: Path) -> dict[str, Any]:
+    """The variables of a .mat file by name, loaded by a process of its own: damaged files bring scipy's loader down with it."""
+    try:
+        data = file.read_bytes()
+        version, _ = matfile_version(io.BytesIO(data))
+    except OSError as error:
+        raise CalibrationFileError(f"{file}: cannot be read: {error.strerror}") from error
+    except (MatReadError, ValueError) as error:
+        raise CalibrationFileError(f"{file}: not a .mat file: {error}") from error
+    if version == HDF_VERSION:
+        raise CalibrationFileError(
+            f"{file}: saved as version 7.3, which is not read here; save it as version 7, {AS_STRUCT}"
+        )
+    loaded = subprocess.run(  # noqa: S603  our own words alone
+        [sys.executable, "-P", "-c", LOADING], input=data, capture_output=True, check=False
+    )
+    if loaded.returncode:
+        reason = loaded.stderr.decode(errors="replace").strip().splitlines()
+        raise CalibrationFileError(
+            f"{file}: a damaged .mat file: {reason[-1] if reason else 'it brings the loader down'}"
+        )
+    content: dict[str, Any] = pickle.loads(loaded.stdout)  # noqa: S301  what our own process made
+    return content
 
 
 def _part(source: str, fields: Fields, key: str) -> Any:
@@ -147,9 +174,9 @@ def _unit(source: str, fields: Fields, choices: Choices) -> tuple[float, str]:
     said = str(_part(source, fields, "CameraParameters1").get("WorldUnits", "")).strip().lower()
     if choices.mm_per_unit is not None:
         return choices.mm_per_unit, f"lengths are in units of {choices.mm_per_unit:g} mm, as --units says"
-    if said not in UNITS_MM:
+    if said not in WORLD_UNITS_MM:
         raise CalibrationFileError(f"{source}: WorldUnits are {said!r}; say with --units what they are")
-    return UNITS_MM[said], f"lengths are in {said}, as WorldUnits says"
+    return WORLD_UNITS_MM[said], f"lengths are in {said}, as WorldUnits says"
 
 
 def _camera(source: str, name: str, fields: Fields, where: Array) -> CalibratedCamera:

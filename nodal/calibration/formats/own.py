@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
@@ -46,8 +47,9 @@ def write_rig(out: Path, calibration: Calibration) -> Calibration:
 
 
 def write_cameras(out: Path, calibration: Calibration) -> Calibration:
-    """cameras.json; raises CalibrationFileError."""
-    save_json(out, calibration.cameras)
+    """cameras.json, made now if nothing else is known: a robot frame holds for the cameras of one time. Raises CalibrationFileError."""
+    made_at = calibration.cameras.made_at or datetime.now(UTC).isoformat(timespec="seconds")
+    save_json(out, msgspec.structs.replace(calibration.cameras, made_at=made_at))
     if calibration.rig_from_robot is None:
         return calibration
     return replace(calibration, notes=(*calibration.notes, "the robot frame is left out"))

@@ -119,6 +119,8 @@ def _of_pair(source: str, contents: Sequence[dict[str, Any]]) -> Array | None:
         numbers(source, "projection_matrix", _data(source, one, "projection_matrix"), (3, 4))
         for one in contents
     ]
+    if not all(projection[0, 0] for projection in projections):
+        raise CalibrationFileError(f"{source}: projection_matrix has a focal length of 0")
     baselines = [projection[:, 3] / projection[0, 0] for projection in projections]
     across = MM_PER_M * (baselines[1] - baselines[0])
     if not across.any():

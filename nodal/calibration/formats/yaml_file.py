@@ -23,8 +23,10 @@ def mapping_in(file: Path) -> dict[str, Any]:
     return content
 
 
-def entry(source: str, content: dict[str, Any], key: str) -> Any:
-    """One of its values; raises CalibrationFileError when it is missing."""
+def entry(source: str, content: Any, key: str) -> Any:
+    """One of its values; raises CalibrationFileError when it is missing, or where there are no keys at all."""
+    if not isinstance(content, dict):
+        raise CalibrationFileError(f"{source}: {content!r} stands where {key} and other keys should")
     if key not in content:
         raise CalibrationFileError(f"{source}: {key} is missing; it holds {', '.join(map(str, content))}")
     return content[key]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import msgspec
@@ -278,6 +279,38 @@ def test_ros_cameras_that_are_no_pair_need_poses(tmp_path):
         read_calibration(ros_pair(tmp_path)[:1], None, Choices())
 
 
+@pytest.mark.parametrize(
+    ("part", "instead", "complaint"),
+    [
+        ("rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [{rectification}]", "rectification_matrix: 3", "rectification_matrix: 3 stands where data"),
+        ("data: [400., 0., 320.", "data: [0., 0., 320.", "projection_matrix has a focal length of 0"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("error")
+def test_ros_pairs_that_cannot_be_are_refused(tmp_path, monkeypatch, part, instead, complaint):
+    assert part in ROS
+    monkeypatch.setattr(f"{__name__}.ROS", ROS.replace(part, instead))
+    with pytest.raises(CalibrationFileError, match=complaint):
+        read_calibration(ros_pair(tmp_path), None, Choices())
+
+
+def test_cameras_from_elsewhere_are_told_from_others_by_when_they_were_brought(tmp_path):
+    cameras = placed(None).cameras
+    assert cameras.made_at == ""
+    write_calibration(tmp_path / "cameras.json", None, Calibration(cameras=cameras), Choices())
+    brought = read_calibration([tmp_path / "cameras.json"], None, Choices())
+    age = datetime.now(UTC) - datetime.fromisoformat(brought.cameras.made_at)
+    assert timedelta(seconds=-1) < age < timedelta(minutes=10)
+    write_calibration(tmp_path / "again.json", "cameras", brought, Choices())
+    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "cameras.json").read_bytes()
+
+
+def test_no_cameras_are_no_calibration(tmp_path):
+    (tmp_path / "cameras.json").write_text('{"cameras": []}')
+    with pytest.raises(CalibrationFileError, match=r"not a file of calibrated cameras: .* length >= 1"):
+        read_calibration([tmp_path / "cameras.json"], None, Choices())
+
+
 def test_a_kalibr_chain_is_in_metres(tmp_path):
     file = tmp_path / "camchain.yaml"
     file.write_text(KALIBR)
@@ -315,6 +348,7 @@ def test_a_longer_kalibr_chain_is_placed_link_by_link(tmp_path):
         ("resolution: [752, 480]", "resolution: [752, .nan]", "not all of them are finite"),
         ("intrinsics: [458.6, 457.2, 367.2, 248.3]", "", "cam0: intrinsics is missing"),
         ("  - [1.0, 0.0, 0.0, 0.02]", "  - [2.0, 0.0, 0.0, 0.02]", "is not a rigid transform"),
+        (KALIBR, "cam0: 5\ncam1: 7", "cam0: 5 stands where camera_model and other keys should"),
     ],
 )  # fmt: skip
 def test_what_kalibr_says_and_sensing_cannot_use_is_refused(tmp_path, line, instead, complaint):
@@ -399,12 +433,24 @@ def test_a_newer_matlab_struct_has_k_and_a_pose(tmp_path):
         (matlab_pair(CameraParameters1=matlab_camera(RadialDistortion=[0.1, 0.1, 0.1, 0.1])), "4 coefficients of RadialDistortion"),
         (matlab_pair(CameraParameters1=matlab_camera(WorldUnits="furlongs")), "WorldUnits are 'furlongs'; say with --units"),
         ({"K": np.eye(3)}, "no struct with CameraParameters1 and CameraParameters2"),
+        (matlab_pair(CameraParameters1=5.0), "no struct with CameraParameters1 and CameraParameters2"),
     ],
 )  # fmt: skip
 def test_what_matlab_says_and_sensing_cannot_use_is_refused(tmp_path, pair, complaint):
     savemat(tmp_path / "stereo.mat", {"s": pair})
     with pytest.raises(CalibrationFileError, match=complaint):
         read_calibration([tmp_path / "stereo.mat"], None, Choices())
+
+
+@pytest.mark.parametrize("place", [144, 777, 809])  # scipy 1.17: UnboundLocalError, SIGSEGV, SIGBUS
+def test_a_damaged_mat_file_brings_nothing_down(tmp_path, place):
+    file = tmp_path / "stereo.mat"
+    savemat(file, {"s": matlab_pair()}, long_field_names=True)
+    damaged = bytearray(file.read_bytes())
+    damaged[place] = 255
+    file.write_bytes(damaged)
+    with pytest.raises(CalibrationFileError, match=r"a damaged \.mat file: "):
+        read_calibration([file], None, Choices())
 
 
 def test_a_mat_file_of_version_7_3_is_refused_with_what_to_do(tmp_path):
