@@ -52,10 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         else "\n".join(words(found.cameras, found.robot))
     )
     print(f"written {', '.join(map(str, outcome.files))}, and into {outcome.bench.path}", file=sys.stderr)
-    print(
-        f"report:  {report_anew(outcome.bench)}",
-        next_step(outcome.bench, "background"),
-        sep="\n",
-        file=sys.stderr,
-    )
-    return 0 if found.robot is None or found.robot.fine else REFUSED
+    print(f"report:  {report_anew(outcome.bench)}", file=sys.stderr)
+    if found.robot is not None and not found.robot.fine:
+        return REFUSED
+    print(next_step(outcome.bench, "background"), file=sys.stderr)
+    return 0

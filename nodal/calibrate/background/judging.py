@@ -83,9 +83,9 @@ def judged(
 
 
 def refusals(
-    statistics: Statistics, camera: Camera | None, reach: Reach, insertion_mm: float
+    statistics: Statistics, camera: Camera | None, reach: Reach, insertion_mm: float, *, stage_heard: bool
 ) -> Iterator[str]:
-    """Why these are no pictures of an empty scene."""
+    """Why these are no pictures of an empty scene; `insertion_mm` is an assumption where the stage was not heard."""
     if statistics.stirred:
         x, y, width, height = max(statistics.stirred, key=lambda box: box[2] * box[3])
         yield (
@@ -96,7 +96,14 @@ def refusals(
         small = Grid.of(camera.size_px).reduced(statistics.mean)
         above_mm = _standing_mm(camera, small, reach, insertion_mm)
         if above_mm > FORGOTTEN_MM:
-            yield f"something {above_mm:.0f} mm tall stands where the robot begins: is the robot still in its holder?"
+            unheard = (
+                f" Or is the stage raised? It was not heard, and is taken to stand at {insertion_mm:g} mm: lower it, or start "
+                "`nodal control`, which says where it stands"
+            )
+            yield (
+                f"something {above_mm:.0f} mm tall stands where the robot begins: is the robot still in its holder?"
+                f"{'' if stage_heard else unheard}"
+            )
 
 
 def _standing_mm(camera: Camera, small: Image, reach: Reach, insertion_mm: float) -> float:

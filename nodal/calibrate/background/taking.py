@@ -85,7 +85,7 @@ def calibrate_background(arguments: argparse.Namespace) -> Outcome:
             time.monotonic_ns() if live else 0,
             stage.hear,
         )
-        pictures, judgements = _judged(bench.settings, rig, sets, stage.insertion_mm)
+        pictures, judgements = _judged(bench.settings, rig, sets, stage)
         robot = (
             _robot(bench.settings, rig, cameras, session, stage, pictures, judgements)
             if live and rig
@@ -122,7 +122,7 @@ def _rig(bench: BenchFile, names: Sequence[str]) -> tuple[CameraCalibration, ...
 
 
 def _judged(
-    settings: BenchSettings, rig: tuple[CameraCalibration, ...], sets: Sequence[Jpegs], insertion_mm: float
+    settings: BenchSettings, rig: tuple[CameraCalibration, ...], sets: Sequence[Jpegs], stage: _Stage
 ) -> tuple[dict[str, Image], tuple[CameraBackground, ...]]:
     """The background pictures by camera and what they tell; raises CalibrationError when they are not of an empty scene."""
     calibrated = {camera.camera: camera for camera in rig}
@@ -132,6 +132,7 @@ def _judged(
         travel_mm=travel_mm,
         holder_radius_mm=settings.sensing.holder_radius_mm,
     )
+    heard = stage.newest is not None or not settings.robot.stage
     pictures: dict[str, Image] = {}
     judgements, against = [], []
     for name in sets[0]:
@@ -142,9 +143,10 @@ def _judged(
             taken_by.add(Picture(name, jpegs[name], size).colour)
         statistics, camera = taken_by.statistics(), Camera(known) if known else None
         pictures[name] = statistics.mean
-        judgements.append(judged(name, statistics, camera, reach, insertion_mm))
+        judgements.append(judged(name, statistics, camera, reach, stage.insertion_mm))
         against += [
-            f"camera {name}: {reason}" for reason in refusals(statistics, camera, reach, insertion_mm)
+            f"camera {name}: {reason}"
+            for reason in refusals(statistics, camera, reach, stage.insertion_mm, stage_heard=heard)
         ]
     if against:
         raise CalibrationError("; ".join(against))

@@ -113,7 +113,7 @@ def test_a_soft_shadow_is_no_thing():
 def test_what_walks_through_is_refused():
     pictures = noisy(12)
     cv2.rectangle(pictures[5], (300, 100), (340, 180), (90, 90, 90), -1)
-    (reason,) = refusals(seen(pictures), None, REACH, 0.0)
+    (reason,) = refusals(seen(pictures), None, REACH, 0.0, stage_heard=False)
     assert "something moved while the pictures were taken, about 32" in reason
 
 
@@ -121,9 +121,12 @@ def test_a_robot_that_was_forgotten_is_refused_and_an_empty_holder_is_not(studio
     for calibration in studio.rig:
         camera, name = Camera(calibration), calibration.camera
         empty = seen([decoded(jpeg) for jpeg in studio.empty[name]])
-        assert list(refusals(empty, camera, REACH, 0.0)) == []
-        (reason,) = refusals(seen([decoded(studio.robot[name])]), camera, REACH, 0.0)
-        assert "is the robot still in its holder?" in reason
+        assert list(refusals(empty, camera, REACH, 0.0, stage_heard=False)) == []
+        for heard in (True, False):
+            with_robot = seen([decoded(studio.robot[name])])
+            (reason,) = refusals(with_robot, camera, REACH, 0.0, stage_heard=heard)
+            assert "is the robot still in its holder?" in reason
+            assert ("It was not heard, and is taken to stand at 0 mm" in reason) is not heard
         assert list(warnings(judged(name, empty, camera, REACH, 0.0))) == []
 
 
