@@ -60,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     print(json.dumps(as_builtins(outcome)) if arguments.json else as_text(outcome))
     for warning in warnings(outcome):
         print(f"warning: {warning}", file=sys.stderr)
-    print(
-        f"report:  {report_anew(outcome.bench)}", next_step(outcome.bench, "base"), sep="\n", file=sys.stderr
-    )
-    return 0 if outcome.check is None or outcome.check.good else REFUSED
+    print(f"report:  {report_anew(outcome.bench)}", file=sys.stderr)
+    if outcome.check is not None and not outcome.check.good:
+        return REFUSED
+    print(next_step(outcome.bench, "base"), file=sys.stderr)
+    return 0

@@ -1,5 +1,6 @@
 """What `nodal calibrate base` leaves in the calibration folder: base.json, the rig, and pictures with the frame drawn over them."""
 
+import shutil
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -45,9 +46,9 @@ def keep(
 ) -> tuple[CameraCalibration, ...]:
     """Write base.json, the rig with the robot frame that is used, and base-CAMERA.jpg; returns the rig.
 
-    Raises CalibrationFileError.
+    The rig that was there before stays beside it as `NAME~`. Raises CalibrationFileError.
     """
-    folder = calibration_folder(bench)
+    folder, file = calibration_folder(bench), Path(bench.settings.calibration)
     rig = cameras.in_robot_frame(bases[used].matrix)
     found = BasesFound(used=used, board=bases.get("board"), robot=bases.get("robot"))
     save_json(folder / BASE, found)
@@ -56,10 +57,17 @@ def keep(
             (folder / f"base-{calibration.camera}.jpg").write_bytes(
                 drawn(calibration, pictures[calibration.camera])
             )
+        if file.exists():
+            shutil.copy(file, before(file))
     except OSError as error:
         raise CalibrationFileError(f"{folder}: cannot be written: {error.strerror}") from error
-    save_rig(Path(bench.settings.calibration), rig)
+    save_rig(file, rig)
     return rig
+
+
+def before(rig: Path) -> Path:
+    """Where the rig is kept that this one replaced."""
+    return rig.with_name(rig.name + "~")
 
 
 def dated(base: Base, cameras: CameraSet) -> Base:

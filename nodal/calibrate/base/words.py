@@ -1,6 +1,7 @@
 """What `nodal calibrate base` found, in words and as one JSON object."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -8,6 +9,7 @@ import numpy as np
 
 from calibration.base import Base, Difference
 from nodal.calibrate.base.finding import Check, Outcome
+from nodal.calibrate.base.keeping import before
 
 LEAN_TOLERANCE_DEG = 1.0
 """Sensing takes it that the robot leaves its holder along the axis, within half of this."""
@@ -31,7 +33,9 @@ def warnings(outcome: Outcome) -> Iterator[str]:
             "[board.at_base] says, and whether robot.section_length_mm and the tendons' angles are right"
         )
     if outcome.check is not None and not outcome.check.good:
-        yield f"sensing is not content with the new rig: {_verdict(outcome.check)}"
+        rig = Path(outcome.bench.settings.calibration)
+        kept = f"; the one before it is kept as {before(rig)}" if before(rig).exists() else ""
+        yield f"sensing is not content with the new rig: {_verdict(outcome.check)}{kept}"
 
 
 def as_builtins(outcome: Outcome) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """`nodal calibrate base` by pictures of the board at the base: what is written, compared and refused."""
 
+import dataclasses
 import json
 
 import cv2
@@ -13,6 +14,7 @@ from messaging.board import BoardPlace, BoardSettings
 from nodal.__main__ import main
 from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import read_bench
+from nodal.calibrate.base import finding
 from nodal.calibration.folder import load_cameras
 from nodal.calibration_file import load_rig
 
@@ -80,6 +82,29 @@ def test_the_rig_says_where_the_board_is_seen(fixture_bench, at_base, places, ca
         cv2.imread(str(fixture_bench.parent / f"calibration/base-{camera}.jpg")) for camera in places["here"]
     ]
     assert [picture.shape for picture in drawn] == [(540, 960, 3)] * 2
+
+
+def test_a_rig_that_sensing_is_not_content_with_leaves_the_one_before_beside_it(
+    fixture_bench, at_base, monkeypatch, capsys
+):
+    def discontent(arguments):
+        check = finding.Check(shape=None, refusal="no robot in left", known_length_mm=80.0)
+        return dataclasses.replace(find_base(arguments), check=check)
+
+    words = ["calibrate", "base", "--config", str(fixture_bench), *at_base]
+    rig = fixture_bench.parent / "calibration" / "rig.json"
+    assert main(words) == 0
+    assert "next: nodal calibrate background" in capsys.readouterr().err
+    good = rig.read_bytes()
+    at_base_elsewhere = AT_BASE | {"origin_mm": [-40.0, 2.0, 77.0]}
+    edit_bench_file(fixture_bench, {"board": {"at_base": at_base_elsewhere}})
+    find_base = finding.find_base
+    monkeypatch.setattr(finding, "find_base", discontent)
+    assert main(words) == 3
+    said = capsys.readouterr().err
+    assert "next:" not in said
+    assert f"no robot in left; the one before it is kept as {rig}~" in said
+    assert (rig.parent / "rig.json~").read_bytes() == good != rig.read_bytes()
 
 
 @pytest.mark.parametrize(("turn_rad", "named"), [(0.0, []), (TURN, ["roll"])])
