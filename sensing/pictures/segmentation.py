@@ -35,6 +35,8 @@ LEAST_DISTANCE = 5.0
 """Colour distance that tells nothing from the backdrop, even where the backdrop shows no noise at all."""
 DEEPEST_SHADOW = 0.45
 """A soft shadow leaves at least this share of the backdrop's level."""
+COLLAR_MM = 4.0
+"""From above the holder's top face is seen as far above the base as this."""
 SMALLEST_ROBOT_MM2 = 10.0
 CLOSING = np.ones((5, 5), np.uint8)
 BEYOND_REACH = 1.1

@@ -13,7 +13,7 @@ from sensing.geometry import curve
 from sensing.geometry.camera import Camera
 from sensing.geometry.rays import epipolar_angles, signed_gaps
 from sensing.pictures.grid import Grid
-from sensing.pictures.segmentation import BaseView, Mask
+from sensing.pictures.segmentation import COLLAR_MM, BaseView, Mask
 from sensing.refined.measuring import Normals
 from sensing.refined.refinement import Fit, Prior
 from sensing.refined.surroundings import Surroundings
@@ -49,8 +49,6 @@ LEAST_SHOWN = 0.97
 """The share of the tube that must lie in every camera's picture."""
 UNEXPLAINED_SHARE = 0.06
 """The share of the silhouette that may lie outside of the fitted tube: spacer disks do, a second part of the robot too."""
-COLLAR_MM = 4.0
-"""From above the holder's top face is seen as far above the base as this."""
 RIM, RIM_MM = 0.35, 0.8
 """Spacer disks stand at most so many half widths proud of the tube, and of a thin one at most so many millimetres."""
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from messaging.checked import FloatArray
 from sensing.geometry.camera import Camera
 from sensing.pictures.grid import Grid
-from sensing.pictures.segmentation import BaseView
+from sensing.pictures.segmentation import COLLAR_MM, BaseView
 from sensing.pictures.work_area import work_area_mask
 
 Mask = NDArray[np.uint8]
@@ -21,8 +21,6 @@ BEHIND = 0.25
 AZIMUTHS, ALTITUDES = 32, 17
 STRAIGHT_PX = 6.0
 """A work area's corners are left out where its edge changes by less."""
-COLLAR_MM = 4.0
-"""From above the holder's top face is seen as far above the base as this."""
 EDGE_WIDTH = np.ones((9, 9), np.uint8)
 
 

@@ -15,15 +15,13 @@ from sensing.geometry.camera import Camera
 from sensing.pictures.grid import Grid
 from sensing.pictures.light import Image
 from sensing.pictures.picture import Picture
-from sensing.pictures.segmentation import BEYOND_REACH, BaseView
+from sensing.pictures.segmentation import BEYOND_REACH, COLLAR_MM, BaseView
 from sensing.scene import Scene
 
 AROUND_ROBOT_MM = 8.0
 """So near to the centreline nothing counts as scenery."""
 HOLDER_DEPTH_MM = 10.0
 """Below the base, where the holder's own motion with the stage is worked out."""
-COLLAR_MM = 4.0
-"""From above the holder's top face is seen as far above the base as this."""
 CARRIED_FROM_PX = 0.2
 CARRIED_SHARE = 0.02
 """Of how far the stage has carried the holder in the picture, so much is uncertain: its faces are nearer than its axis, or farther."""

@@ -225,7 +225,9 @@ def test_at_the_bench_the_robot_is_asked_away_and_back(bench, studio, monkeypatc
     words = ["calibrate", "background", "--config", str(bench / "bench.toml"), "--json"]
     assert main(words) == status
     assert [str(scene) for scene in asked] == ["empty", "robot"]
-    robot = json.loads(capsys.readouterr().out)["robot"]
+    out, err = capsys.readouterr()
+    assert ("next: nodal calibrate robot" in err) is (status == 0)
+    robot = json.loads(out)["robot"]
     assert robot["length_mm"] == pytest.approx(80.0, abs=0.3)
     assert robot["flags"] == [*flags, "base_unknown"]
 
@@ -241,7 +243,9 @@ def flagged(estimate, flags):
 def test_a_refusal_leaves_everything_as_it_was(bench, capsys):
     before = (bench / "bench.toml").read_bytes()
     assert command(bench, "robot") == 3
-    assert "camera left: something" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "camera left: something" in said
+    assert "stage raised? It was not heard" in said
     assert (bench / "bench.toml").read_bytes() == before
     assert not list(bench.glob("background*"))
 
