@@ -46,9 +46,10 @@ def identified(seed: int, share: float) -> tuple[Outcome, float]:
     kinematics = SETTINGS.kinematics(ROBOT)
     find_wiring(leader, SETTINGS, kinematics, AXES)
     plan = plan_for(SETTINGS, ROBOT, reach(SETTINGS, share, leader.stage_mm()))
-    seen = experiment(leader, plan, lambda _: None)
+    seen = experiment(leader, plan, lambda _: None, print)
     leader.let_go()
-    return identify(seen, SETTINGS, kinematics, leader.node_names, "now"), bench.now_s - begin_s
+    mm_per_rad = tuple(axis.mm_per_rad for axis in AXES)
+    return identify(seen, SETTINGS, leader.node_names, ROBOT, mm_per_rad), bench.now_s - begin_s
 
 
 def circled(seed: int, known: IdentifiedSettings | None) -> list[float]:

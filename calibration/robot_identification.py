@@ -62,12 +62,6 @@ class Identified:
     """(1,), or (0,) without a stage."""
     lost_motion_mm: Estimate
     """(D,)."""
-    offset_mm: Estimate
-    """(k, 3)."""
-    biases_rad: Array
-    """(r, 2 S) after each homing."""
-    engaged: Array
-    """(r, A) where the axes stood in their lost motion after each homing."""
     rms_mm: float
     """Distance of nodal points from the model, over the poses that were fitted."""
 
@@ -121,9 +115,6 @@ class Identification:
             ),
             stage_gain=estimate(numbers.stage),
             lost_motion_mm=lost_motion_mm,
-            offset_mm=estimate(numbers.offset, (-1, 3)),
-            biases_rad=biases_rad,
-            engaged=self._all_axes(best[numbers.engaged].reshape(-1, tendons)),
             rms_mm=rms_mm,
         )
 
@@ -163,20 +154,16 @@ class Identification:
         return np.concatenate(missed).reshape(sum(len(run) for run in runs), -1)
 
     def foreseen_mm(self, robot: Identified, position_mm: Array) -> Array:
-        """(n, k, 3) where this robot's nodal points will be, open loop, while its axes go on through `position_mm` (n, A), all
-        of the way since it was homed last.
+        """(n, k, 3) where this robot's nodal points will be, open loop, while its axes go through `position_mm` (n, A), all of
+        the way since it was homed: by the estimates alone, so that nothing is told of how one homing ended.
         """
-        engaged = robot.engaged[-1, : self._model.tendons]
-        return (
-            self._nodes_mm(
-                position_mm,
-                robot.gain.value,
-                robot.biases_rad[-1],
-                robot.stage_gain.value,
-                robot.lost_motion_mm.value,
-                engaged,
-            )
-            + robot.offset_mm.value
+        return self._nodes_mm(
+            position_mm,
+            robot.gain.value,
+            robot.bias_rad.value,
+            robot.stage_gain.value,
+            robot.lost_motion_mm.value,
+            np.zeros(self._model.tendons),
         )
 
     def drawn_mm(self, position_mm: Array) -> Array:

@@ -86,7 +86,11 @@ class Learning:
         kinematics: Kinematics,
         identified: tuple[Array, Array] | None = None,
     ) -> None:
-        """Nothing is known yet, or what was `identified`: G, b0, s and w (n,), and their standard deviations (n,)."""
+        """Nothing is known yet, or what was `identified`: G, b0, s and w (n,), and their standard deviations (n,).
+
+        What was identified moves the start, not the trust: it tells how a robot is in the mean of all places, and by how much
+        it is otherwise here and there is what the settings say.
+        """
         self._settings = settings
         self._kinematics = kinematics
         bends, stage = 2 * len(kinematics.length_mm), int(kinematics.stage)
@@ -104,8 +108,9 @@ class Learning:
             [settings.bound, 4 * settings.bias_rad, settings.bound, 4 * lost_sigma], sizes
         )
         drawn = np.repeat([0.0, 0.0, 0.0, settings.lost_motion_mm], sizes)
-        begin: tuple[Array, Array] = (drawn, self._sigma) if identified is None else identified
-        self._begin, self._begin_sigma = begin
+        begin, sigma = (drawn, self._sigma) if identified is None else identified
+        self._begin: Array = begin
+        self._begin_sigma: Array = np.maximum(sigma, self._sigma)
 
     def begin(self, measured: Measurement, axes: Axes, lost_motion_mm: Array) -> Belief:
         """What is believed of a robot that was just homed: its nominal model, or what was identified, with offsets as first seen.

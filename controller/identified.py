@@ -18,13 +18,34 @@ Length = Annotated[float, msgspec.Meta(ge=0, le=20)]
 LengthSigma = Annotated[float, msgspec.Meta(gt=0, le=20)]
 
 
+class Drawing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What of a bench file an identification is a correction of: beside another drawing its numbers mean nothing."""
+
+    section_length_mm: tuple[float, ...]
+    angle_deg: tuple[tuple[float, ...], ...]
+    """Of each section's pairs or single tendons."""
+    pitch_radius_mm: tuple[float, ...]
+    coupling: float
+    mm_per_rad: tuple[float, ...]
+    """Of every servo, the stage's last."""
+
+    def differences(self, now: "Drawing") -> tuple[str, ...]:
+        """In words, what is otherwise now."""
+        return tuple(
+            f"{name} was {_told(was)} and is {_told(getattr(now, name))}"
+            for name, was in msgspec.structs.asdict(self).items()
+            if was != getattr(now, name)
+        )
+
+
 class IdentifiedSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What `nodal calibrate robot` found, each value with its standard deviation. Two bends a section, towards +X and +Y, in
-    the order of the sections; tendons or pairs in the order of the servos.
+    """What `nodal calibrate robot` found, each value with its standard deviation: how well the mean over all places is known.
+    Two bends a section, towards +X and +Y, in the order of the sections; tendons or pairs in the order of the servos.
     """
 
     date: str
     """When, for people."""
+    drawing: Drawing
     gain: tuple[tuple[Share, ...], ...]
     """For each bend a row: its share of each bend that the drawing foresees, beyond 1 for itself and 0 for the others."""
     gain_sigma: tuple[tuple[ShareSigma, ...], ...]
@@ -56,9 +77,13 @@ class IdentifiedSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
         if not counts == tuple(map(len, values)) == tuple(map(len, sigmas)):
             raise ControllerSetupError(
                 f"controller.identified is of another robot: this one has {bends} bends, {kinematics.tendons} tendons or pairs "
-                f"and {'a' if stage else 'no'} stage; run `nodal calibrate robot` again, or take the table out"
+                f"and {'a' if stage else 'no'} stage; take the table out, then run `nodal calibrate robot`"
             )
         return _joined(values), _joined(sigmas)
+
+
+def _told(value: object) -> str:
+    return msgspec.json.encode(value).decode()
 
 
 def _joined(numbers: tuple[tuple[object, ...], ...]) -> Array:

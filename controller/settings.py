@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 
 from controller.history import KEPT_S
-from controller.identified import IdentifiedSettings
+from controller.identified import Drawing, IdentifiedSettings
 from controller.kinematics import Kinematics
 from controller.regions import Region
 from messaging.settings import RobotSettings
@@ -204,4 +204,14 @@ class ControllerSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True
             [section.pitch_radius_mm for section in self.sections],
             coupling=self.coupling,
             stage=robot.stage,
+        )
+
+    def drawing(self, robot: RobotSettings, mm_per_rad: tuple[float, ...]) -> Drawing:
+        """What an identification of this robot, on servos that turn like that, is a correction of."""
+        return Drawing(
+            section_length_mm=robot.section_length_mm,
+            angle_deg=tuple(section.angle_deg for section in self.sections),
+            pitch_radius_mm=tuple(section.pitch_radius_mm for section in self.sections),
+            coupling=self.coupling,
+            mm_per_rad=mm_per_rad,
         )

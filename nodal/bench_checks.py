@@ -23,6 +23,7 @@ def check(path: Path, settings: "BenchSettings", rig: Mapping[str, CameraCalibra
         *([] if rig is None else _work_areas(settings, rig)),
         *_nodal_points(settings),
         *_tendons(settings),
+        *_identified(settings),
         *_simulation(settings),
     ]
     if faults:
@@ -114,6 +115,18 @@ def _tendons(settings: "BenchSettings") -> Iterator[str]:
                 f"{current_ma:g} would never be exceeded; it must be lower"
             )
     yield from _stage(settings)
+
+
+def _identified(settings: "BenchSettings") -> Iterator[str]:
+    identified = settings.controller.identified
+    if identified is None:
+        return
+    mm_per_rad = tuple(axis.mm_per_rad for axis in settings.servos.axes)
+    if changed := identified.drawing.differences(settings.controller.drawing(settings.robot, mm_per_rad)):
+        yield (
+            f"controller.identified is a correction of another drawing: {', '.join(changed)}; "
+            "take the table out, then run `nodal calibrate robot`"
+        )
 
 
 def _stage(settings: "BenchSettings") -> Iterator[str]:

@@ -8,7 +8,8 @@ NodalError
 |-- SetupRefusedError      a servo that must not be set up as it is now; nothing was written
 |-- CalibrationError       what was shown or given is not enough to calibrate anything
 |-- RobotStoppedError      a robot that is led to be calibrated must not be led on: a fault, a refusal, an axis that does not answer
-|   `-- JogRefusedError    a single move that the controller refuses; others may still be possible
+|   |-- JogRefusedError    a single move that the controller refuses; others may still be possible
+|   `-- ServosSilentError  servos that did not answer for a moment; homed anew, the robot may be led on
 |-- ProcessError           a process of the bench did not start or does not stay up, or what is waited for does not come
 |-- DemoError              the demo cannot go on
 |-- ExportError            an export that cannot be written
@@ -54,6 +55,10 @@ class RobotStoppedError(NodalError):
 
 class JogRefusedError(RobotStoppedError):
     """The controller refuses one move, because of a forbidden region or a limit; the robot stands as it did."""
+
+
+class ServosSilentError(RobotStoppedError):
+    """The controller lost its servos, let go and is in fault: what the robot was led to is over, but nothing need be broken."""
 
 
 class ProcessError(NodalError):

@@ -31,6 +31,8 @@ class Glimpse:
     state: str
     reason: str
     advice: str
+    fault: str
+    """Its code; empty without one."""
     command_mm: Array
     """(A,); NaN while the tendons are told nothing."""
     position_mm: Array
@@ -114,6 +116,7 @@ class BenchHand:
             state=state.state.value,
             reason=state.reason,
             advice=state.advice,
+            fault=state.fault,
             command_mm=command_mm,
             position_mm=position_mm,
             current_ma=drive.current_ma,

@@ -14,6 +14,7 @@ from controller.loop import Loop
 from controller.pace import MOST_PERIODS
 from controller.settings import ControllerSettings
 from controller.supervisor import Mode
+from drivers.actuators import ActuatorState
 from messaging.control import Action, ActionRequest, Reply, Target
 from messaging.settings import RobotSettings
 from nodal.virtual.actuators import VirtualActuators
@@ -70,6 +71,8 @@ class VirtualBench:
         self._reason = ""
         self.sighted: Sighting | None = None
         """The shape that arrived last, whether it was trusted or not."""
+        self.heard: ActuatorState | None = None
+        """What the servos said last."""
         self._asked: tuple[Request, ...] = ()
         self._replies: tuple[Reply, ...] = ()
 
@@ -140,6 +143,7 @@ class VirtualBench:
             self._missed += 1
             return None
         drive = self._drive.read(now_s)
+        self.heard = drive or self.heard
         inputs = Inputs(
             now_s=now_s,
             dt_s=min(self._missed + 1, MOST_PERIODS) * self._period_s,

@@ -4,6 +4,7 @@ import numpy as np
 
 from messaging.control import Action, ActionRequest, Reply
 from nodal.calibrate.hand import Glimpse
+from nodal.errors import CalibrationError
 from nodal.virtual.bench import VirtualBench
 
 _LOOK_S = 0.03
@@ -18,15 +19,19 @@ class VirtualHand:
         self._last = -1
 
     def ask(self, action: Action, axis: str = "", distance_mm: float = 0.0) -> Reply:
-        """See `Hand`; time goes on by one step of the robot."""
-        request = ActionRequest(action=action, axis=axis, distance_mm=distance_mm)
-        return self.bench.run(0.0, request)[1][0]
+        """See `Hand`; time goes on until the controller has answered: by one step of the robot while its servos answer it."""
+        self.bench.ask(ActionRequest(action=action, axis=axis, distance_mm=distance_mm))
+        while not (replies := self.bench.run(0.0)[1]):
+            pass
+        return replies[0]
 
     def watch(self) -> Glimpse:
         """See `Hand`."""
         bench = self.bench
         bench.run(_LOOK_S)
-        state, drive, seen = bench.state, bench.actuators.read(), bench.sighted
+        state, drive, seen = bench.state, bench.heard, bench.sighted
+        if drive is None:
+            raise CalibrationError("the servos are not heard")
         fresh = None if seen is None or seen.shape.sequence == self._last else seen.shape
         if fresh is not None:
             self._last = fresh.sequence
@@ -36,6 +41,7 @@ class VirtualHand:
             state=state.mode.state.value,
             reason=state.supervision.reason,
             advice=told.get("advice", ""),
+            fault=told.get("fault", ""),
             command_mm=state.command_mm if state.mode.torque else np.full(bench.plant.axes, np.nan),
             position_mm=drive.position_mm,
             current_ma=drive.current_ma,

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.bring_up_truth import camera_errors, robot_figures, robot_frame_error
 from calibration.camera_set import CameraSet
-from controller.identified import IdentifiedSettings
+from controller.identified import Drawing, IdentifiedSettings
 from nodal.calibrate.robot.calibrating import ROBOT
 from nodal.calibrate.robot.results import Foreseen, RobotFound
 from nodal.calibration.folder import CAMERAS, save_json
@@ -60,6 +60,9 @@ def test_pulleys_that_are_believed_to_be_wound_the_right_way_are_counted(bench):
         held_out=Foreseen(poses=1, before_mm=6.0, after_mm=2.0, nodes=()),
         identified=IdentifiedSettings(
             date="",
+            drawing=Drawing(
+                section_length_mm=(), angle_deg=(), pitch_radius_mm=(), coupling=1.0, mm_per_rad=()
+            ),
             gain=(),
             gain_sigma=(),
             bias_rad=(),

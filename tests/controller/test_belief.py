@@ -5,7 +5,7 @@ import pytest
 
 from controller.belief import Axes, BeliefSettings, Learning
 from controller.errors import ControllerSetupError
-from controller.identified import IdentifiedSettings
+from controller.identified import Drawing, IdentifiedSettings
 from controller.kinematics import Kinematics
 from controller.law import Measurement
 from controller.lost_motion import engaged_after
@@ -160,9 +160,19 @@ def test_believed_points_move_as_the_believed_jacobian_says():
         np.testing.assert_allclose(jacobian[..., axis], (ahead - behind) / 2e-6, atol=1e-5)
 
 
+DRAWING = Drawing(
+    section_length_mm=(40.0, 40.0),
+    angle_deg=((0.0, 90.0), (45.0, 135.0)),
+    pitch_radius_mm=(4.0, 4.0),
+    coupling=1.0,
+    mm_per_rad=(5.0, 5.0, 5.0, 5.0, 1.0),
+)
+
+
 def identified_settings(**changes):
     values = {
         "date": "today",
+        "drawing": DRAWING,
         "gain": tuple(tuple(0.1 * (row == column) for column in range(4)) for row in range(4)),
         "gain_sigma": ((0.02,) * 4,) * 4,
         "bias_rad": (0.01, 0.02, 0.03, 0.04),
@@ -183,8 +193,15 @@ def test_what_was_identified_is_where_belief_begins_but_homing_knows_lost_motion
     np.testing.assert_array_equal(belief.mean[:16].reshape(4, 4), 0.1 * np.eye(4))
     np.testing.assert_array_equal(belief.mean[16:25], [0.01, 0.02, 0.03, 0.04, 0.03, 0.4, 0.2, 0.6, 0.7])
     np.testing.assert_array_equal(belief.nominal[:25], belief.mean[:25])
+
+
+def test_how_well_the_mean_over_all_places_is_known_does_not_keep_a_law_from_learning_what_is_so_here():
+    known = identified_settings(bias_sigma_rad=(0.02, 0.02, 0.3, 0.02))
+    learning = Learning(BeliefSettings(), KINEMATICS, known.stacked(KINEMATICS))
+    first = measured(Robot().at(np.zeros(5)), 0.0)
+    belief = learning.begin(first, Axes(position_mm=np.zeros(5), engaged=np.zeros(5)), np.full(5, np.nan))
     sigma = np.sqrt(np.diag(belief.covariance))[:25]
-    np.testing.assert_allclose(sigma, [0.02] * 16 + [0.02] * 4 + [0.01] + [0.05] * 4)
+    np.testing.assert_allclose(sigma, [0.25] * 16 + [0.15, 0.15, 0.3, 0.15] + [0.1] + [0.15] * 4)
 
 
 def test_a_law_that_knows_its_robot_is_right_from_its_first_shapes():

@@ -4,8 +4,11 @@ import re
 import tomllib
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from controller.settings import ControllerSettings
+from messaging.settings import RobotSettings
 from nodal.bench_file import bench_path, load_bench
 from nodal.errors import BenchFileError, CalibrationFileError
 from nodal.settings_reference import with_reference
@@ -32,6 +35,23 @@ def refused(tmp_path, table):
     with pytest.raises((BenchFileError, CalibrationFileError)) as raised:
         loaded(tmp_path, table)
     return str(raised.value)
+
+
+def identified_before_pulleys_were_changed():
+    controller = ControllerSettings()
+    drawing = controller.drawing(RobotSettings(section_length_mm=(40.0, 40.0)), (5.0, -5.0, 5.0, 5.0, 2.0))
+    return {
+        "date": "then",
+        "drawing": msgspec.to_builtins(drawing),
+        "gain": [[0.0] * 4] * 4,
+        "gain_sigma": [[0.1] * 4] * 4,
+        "bias_rad": [0.0] * 4,
+        "bias_sigma_rad": [0.1] * 4,
+        "lost_motion_mm": [0.3] * 4,
+        "lost_motion_sigma_mm": [0.1] * 4,
+        "stage_gain": [0.0],
+        "stage_gain_sigma": [0.1],
+    }
 
 
 def test_the_simulated_bench_is_called_by_its_name():
@@ -138,6 +158,10 @@ def test_a_missing_key_is_named(tmp_path, table, key):
         (
             lambda table: table.update(controller={"limits": {"displacement_mm": 7}}),
             "controller.limits.displacement_mm 7 reaches beyond servo proximal x, which travels -6 to 6 mm",
+        ),
+        (
+            lambda table: table.update(controller={"identified": identified_before_pulleys_were_changed()}),
+            "another drawing: mm_per_rad was [5.0,-5.0,5.0,5.0,2.0] and is [5.0,5.0,5.0,5.0,2.0]; take the table out",
         ),
         (
             lambda table: table["servos"]["stage"].update(max_current_ma=800),

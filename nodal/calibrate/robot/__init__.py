@@ -6,7 +6,7 @@ from nodal.arguments import add_config_argument
 from nodal.exit_status import REFUSED
 
 SUMMARY = "move each tendon gently and identify signs, gains, coupling and lost motion"
-SHARE = 0.6
+SHARE, LEAST_SHARE = 0.6, 0.2
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """0, or 3 with the reason when the robot cannot be led, or is not wired as it is drawn. Raises NodalError."""
+    """0, or 3 with the reason when the robot cannot be led, is not wired as it is drawn, or what came out is not to be
+    believed. Raises NodalError.
+    """
     import sys  # noqa: PLC0415
 
     from calibration.errors import RobotPosesError  # noqa: PLC0415
@@ -34,8 +36,10 @@ def run(arguments: argparse.Namespace) -> int:
     from nodal.calibration.folder import own_bench  # noqa: PLC0415
     from nodal.errors import CalibrationError, CommandError, RobotStoppedError  # noqa: PLC0415
 
-    if not 0 < arguments.share <= 1:
-        raise CommandError(f"--share {arguments.share:g}: allowed is above 0 and up to 1")
+    if not LEAST_SHARE <= arguments.share <= 1:
+        raise CommandError(
+            f"--share {arguments.share:g}: allowed are {LEAST_SHARE:g} to 1; in smaller moves lost motion hides the rest"
+        )
     if arguments.dry_run:
         print(foretold(arguments.config, arguments.share))
         return 0
@@ -47,6 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
         if isinstance(refusal, RobotStoppedError) and refusal.advice:
             print(f"what to do: {refusal.advice}", file=sys.stderr)
         return REFUSED
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise
     print(as_json(found) if arguments.json else as_text(found))
-    print(f"report:  {report_anew(bench)}", next_step(bench, "robot"), sep="\n", file=sys.stderr)
+    print(f"report:  {report_anew(bench)}", file=sys.stderr)
+    if found.doubt:
+        print(f"nodal: refused: {found.doubt}; [controller.identified] stays as it was", file=sys.stderr)
+        return REFUSED
+    print(next_step(bench, "robot"), file=sys.stderr)
     return 0

@@ -1,26 +1,23 @@
 """The bench brought to identify its robot: processes, signs first, then the experiment; and what is kept of it."""
 
-import datetime as dt
-import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import msgspec
 
-from messaging.control import Action
-from messaging.errors import UnansweredError
 from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import BenchFile, read_bench
 from nodal.bench_settings import BenchSettings
-from nodal.calibrate.hand import BenchHand, Hand
+from nodal.calibrate.hand import BenchHand
 from nodal.calibrate.robot.experiment import experiment, plan_for, reach, seconds
-from nodal.calibrate.robot.leading import Leader
+from nodal.calibrate.robot.leading import Leader, leading_robot
 from nodal.calibrate.robot.progress import Progress
 from nodal.calibrate.robot.results import RobotFound, axes_found, identify
 from nodal.calibrate.robot.wiring import Wiring, find_wiring
 from nodal.calibration.folder import calibration_folder, save_json
-from nodal.errors import RobotStoppedError
+from nodal.errors import CalibrationError, CalibrationFileError, RobotStoppedError
 from nodal.processes.missing import NAMES, with_processes
 from nodal.running import stop_on_signals
 
@@ -55,22 +52,29 @@ def foretold(config: str, share: float) -> str:
 def calibrate_robot(bench: BenchFile, share: float) -> RobotFound:
     """Identify the robot of this bench and keep what is found in its file; whatever happens, the tendons are let go.
 
-    Raises RobotStoppedError, RobotPosesError, CalibrationError, ProcessError, BenchFileError.
+    What is not to be believed stands in `robot.json` alone, with the doubt. Raises RobotStoppedError, RobotPosesError,
+    CalibrationError, ProcessError, BenchFileError, and KeyboardInterrupt after SIGINT, SIGTERM or SIGHUP.
     """
-    bench.checked()
-    begin_s = time.monotonic()
+    begin_s, stop = time.monotonic(), stop_on_signals()
+    _check(bench)
     with (
         with_processes(bench, "calibration", ("rendezvous", "simulate", "sense")) as session,
         Progress() as progress,
     ):
+
+        def turned() -> None:
+            progress.show()
+            if stop.is_set():
+                raise KeyboardInterrupt
+
         theirs = NAMES["control"] in session.alive()
         if theirs:
             progress.say("nodal control runs already and is used as it is")
         reversed_axes: tuple[str, ...] = ()
-        with _led(bench, progress) as (leader, settings):
-            wiring = _wiring(leader, settings, progress)
+        with _led(bench, turned) as leader:
+            wiring = _wiring(leader, bench.settings, progress)
             if not wiring.reversed:
-                return _identified(bench, leader, settings, progress, share, begin_s, reversed_axes)
+                return _identified(bench, leader, progress, share, begin_s, reversed_axes, turned)
             leader.let_go()
         reversed_axes = _turn_signs(bench, wiring, progress)
         if theirs:
@@ -78,35 +82,30 @@ def calibrate_robot(bench: BenchFile, share: float) -> RobotFound:
                 f"the sign of {', '.join(reversed_axes)} was wrong; it is corrected in {bench.path}", _RESTART
             )
         bench = read_bench(bench.path)
-        with _led(bench, progress) as (leader, settings):
-            return _identified(bench, leader, settings, progress, share, begin_s, reversed_axes)
+        with _led(bench, turned) as leader:
+            return _identified(bench, leader, progress, share, begin_s, reversed_axes, turned)
+
+
+def _check(bench: BenchFile) -> None:
+    """That the robot can be seen, and that what is found can be written: before minutes are spent. Raises CalibrationError,
+    BenchFileError.
+    """
+    try:
+        bench.loaded()
+    except CalibrationFileError as error:
+        raise CalibrationError(f"{error}; begin with `nodal calibrate base`") from error
+    edit_bench_file(bench.path, {})
 
 
 @contextmanager
-def _led(bench: BenchFile, progress: Progress) -> Iterator[tuple[Leader, BenchSettings]]:
+def _led(bench: BenchFile, turned: Callable[[], None]) -> Iterator[Leader]:
     """A leader on a controller that reads the bench file as it is now, and runs as long as this lasts."""
     settings = bench.checked()
     with with_processes(bench, "calibration-robot", ("control",)) as session:
-        hand, stop = BenchHand(session), stop_on_signals()
-
-        def turned() -> None:
-            progress.show()
-            if stop.is_set():
-                raise KeyboardInterrupt
-
-        try:
-            yield Leader(hand, settings.controller, len(settings.servos.tendons), turned), settings
-        except BaseException:
-            _stop(hand)
-            raise
-
-
-def _stop(hand: Hand) -> None:
-    """Let the tendons go at once; whatever led here is not hidden when nobody answers."""
-    try:
-        hand.ask(Action.STOP)
-    except UnansweredError as error:
-        print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
+        turned()
+        tendons = len(settings.servos.tendons)
+        with leading_robot(BenchHand(session), settings.controller, tendons, turned) as leader:
+            yield leader
 
 
 def _wiring(leader: Leader, settings: BenchSettings, progress: Progress) -> Wiring:
@@ -116,10 +115,13 @@ def _wiring(leader: Leader, settings: BenchSettings, progress: Progress) -> Wiri
 
 
 def _turn_signs(bench: BenchFile, wiring: Wiring, progress: Progress) -> tuple[str, ...]:
-    """Write the other sign into the bench file; returns the axes' names."""
+    """Write the other sign into the bench file, and take out what was identified with the old one; returns the axes' names."""
     tendons = bench.settings.servos.tendons
-    changes = {axis: {"mm_per_rad": -tendons[axis].mm_per_rad} for axis in wiring.reversed}
-    edit_bench_file(bench.path, {"servos": {"tendons": changes}})
+    turned = {axis: {"mm_per_rad": -tendons[axis].mm_per_rad} for axis in wiring.reversed}
+    changes: dict[str, Any] = {"servos": {"tendons": turned}}
+    if bench.settings.controller.identified is not None:
+        changes["controller"] = {"identified": None}
+    edit_bench_file(bench.path, changes)
     names = tuple(tendons[axis].name for axis in wiring.reversed)
     progress.tell("starting the controller anew")
     progress.say(
@@ -131,38 +133,39 @@ def _turn_signs(bench: BenchFile, wiring: Wiring, progress: Progress) -> tuple[s
 def _identified(
     bench: BenchFile,
     leader: Leader,
-    settings: BenchSettings,
     progress: Progress,
     share: float,
     begin_s: float,
     reversed_axes: tuple[str, ...],
+    turned: Callable[[], None],
 ) -> RobotFound:
+    settings = bench.settings
     controller, robot = settings.controller, settings.robot
     kinematics = controller.kinematics(robot)
     stage_mm = leader.stage_mm() if robot.stage else None
     plan = plan_for(controller, robot, reach(controller, share, stage_mm))
     progress.takes(seconds(plan, controller))
-    seen = experiment(leader, plan, progress.tell)
+    seen = experiment(leader, plan, progress.tell, progress.say)
     progress.tell("relaxing")
     leader.let_go()
-    date = dt.datetime.now().astimezone().isoformat(timespec="minutes")
-    outcome = identify(seen, controller, kinematics, leader.node_names, date)
+    mm_per_rad = tuple(axis.mm_per_rad for axis in settings.servos.axes)
+    outcome = identify(seen, controller, leader.node_names, robot, mm_per_rad)
     found = RobotFound(
-        date=date,
+        date=outcome.settings.date,
         seconds=round(time.monotonic() - begin_s, 1),
         length_mm=robot.length_mm,
-        poses=sum(len(run) for run in seen.fitted),
-        refused=seen.refused,
+        poses=sum(len(run.fitted) for run in seen.runs),
+        refused=len(seen.refused),
+        refused_because=tuple(dict.fromkeys(seen.refused)),
         reversed=reversed_axes,
         axes=axes_found(outcome, seen, kinematics, tuple(axis.name for axis in settings.servos.tendons)),
         fit_rms_mm=outcome.robot.rms_mm,
         held_out=outcome.foreseen,
         identified=outcome.settings,
+        doubt=outcome.doubt,
     )
-    _keep(bench, found)
-    return found
-
-
-def _keep(bench: BenchFile, found: RobotFound) -> None:
+    turned()
     save_json(calibration_folder(bench) / ROBOT, found)
-    edit_bench_file(bench.path, {"controller": {"identified": msgspec.to_builtins(found.identified)}})
+    if not found.doubt:
+        edit_bench_file(bench.path, {"controller": {"identified": msgspec.to_builtins(found.identified)}})
+    return found

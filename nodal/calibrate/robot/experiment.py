@@ -1,19 +1,18 @@
 """The whole experiment on a homed robot: each axis alone, all together, and moves that nobody fits anything to."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.robot_model import Poses
 from calibration.robot_plan import Plan, Reach, planned
 from controller.kinematics import Kinematics
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 from messaging.settings import RobotSettings
 from nodal.calibrate.robot.leading import SETTLED_S, Leader, Stand
-from nodal.errors import JogRefusedError, RobotStoppedError
+from nodal.calibrate.robot.walking import Run, Walk
 
 Array = NDArray[np.float64]
 
@@ -27,20 +26,13 @@ PULL_S = 5.0
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Seen:
-    """What was seen: the runs after each homing, and how many poses at the end of the last are held out."""
+    """What was seen in the runs after each homing."""
 
-    runs: tuple[Poses, ...]
-    held_out: int
+    runs: tuple[Run, ...]
     alone: tuple[Stand, ...]
-    """The stands of the first run, with their currents."""
-    refused: int
-    """Poses that were left out because a forbidden region is in the way."""
-
-    @property
-    def fitted(self) -> tuple[Poses, ...]:
-        """The runs without what is held out."""
-        *runs, last = self.runs
-        return (*runs, last.first(len(last) - self.held_out))
+    """Where the robot stood while each axis was moved alone, with its currents."""
+    refused: tuple[str, ...]
+    """Why poses were not reached, each in the controller's words."""
 
 
 def reach(settings: ControllerSettings, share: float, stage_mm: float | None) -> Reach:
@@ -70,54 +62,22 @@ def seconds(plan: Plan, settings: ControllerSettings) -> float:
     return float(travel_mm / settings.jog.mm_s + LOOK_S * len(poses) + 2 * HOMING_S + PULL_S * tendons)
 
 
-def experiment(leader: Leader, plan: Plan, tell: Callable[[str], None]) -> Seen:
+def experiment(leader: Leader, plan: Plan, tell: Callable[[str], None], say: Callable[[str], None]) -> Seen:
     """Home, each axis alone, home again, all together, and the moves that are held out; raises RobotStoppedError.
 
-    `tell` is told what is done.
+    `tell` is told what is done; `say` what a person has to know afterwards too.
     """
+    walk = Walk(leader, tell, say)
     tell("homing")
-    leader.home()
-    alone, refused_alone = _stands(leader, plan.alone_mm, tell, "each axis alone")
-    leader.go(plan.alone_mm[-1])
+    walk.home()
+    alone = walk.through(plan.alone_mm, "each axis alone")
+    walk.back(plan.alone_mm[-1])
     tell("homing again: how far one homing is from another")
-    leader.home()
-    together, refused = _stands(leader, plan.together_mm, tell, "all together")
-    held_out, refused_held = _stands(leader, plan.held_out_mm, tell, "moves to be foreseen")
-    leader.go(plan.alone_mm[-1])
-    if not (alone and together and held_out):
-        raise RobotStoppedError(
-            "forbidden regions refuse so many moves that nothing can be identified", "move less far: --share"
-        )
-    return Seen(
-        runs=(_poses(alone), _poses([*together, *held_out])),
-        held_out=len(held_out),
-        alone=tuple(alone),
-        refused=refused_alone + refused + refused_held,
-    )
-
-
-def _stands(
-    leader: Leader, poses_mm: Array, tell: Callable[[str], None], what: str
-) -> tuple[list[Stand], int]:
-    stands, refused = [], 0
-    for number, pose in enumerate(poses_mm, start=1):
-        tell(f"{what}: {number} of {len(poses_mm)}")
-        try:
-            leader.go(pose)
-        except JogRefusedError:
-            refused += 1
-            continue
-        stands.append(leader.stand())
-    return stands, refused
-
-
-def _poses(stands: Sequence[Stand]) -> Poses:
-    return Poses(
-        position_mm=np.array([stand.position_mm for stand in stands]),
-        node_mm=np.array([stand.node_mm for stand in stands]),
-        sigma_mm=np.array([stand.sigma_mm for stand in stands]),
-        arc_mm=stands[0].arc_mm,
-    )
+    walk.home()
+    walk.through(plan.together_mm, "all together")
+    walk.through(plan.held_out_mm, "moves to be foreseen", held_out=True)
+    walk.back(plan.alone_mm[-1])
+    return Seen(runs=walk.runs, alone=tuple(alone), refused=tuple(walk.refused))
 
 
 def current_ma(seen: Seen, kinematics: Kinematics) -> tuple[Array, Array]:

@@ -1,18 +1,22 @@
 """Leading the robot from pose to pose, one axis at a time, and looking at it where it stands."""
 
 import dataclasses
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
 
+from controller.faults import DriveLostError
 from controller.limits import axis_name
 from controller.settings import ControllerSettings
 from controller.watch import distrust
 from messaging.control import Action, State
+from messaging.errors import UnansweredError
 from messaging.shape import ShapeEstimate
 from nodal.calibrate.hand import Glimpse, Hand
-from nodal.errors import JogRefusedError, RobotStoppedError
+from nodal.errors import JogRefusedError, RobotStoppedError, ServosSilentError
 
 Array = NDArray[np.float64]
 
@@ -21,6 +25,8 @@ SETTLED_S = 0.3
 SHAPES = 6
 """So many shapes say where the robot stands."""
 STILL_WITHIN_S = 10.0
+HEARD_WITHIN_S = 5.0
+"""Until servos that were silent are found again: the controller looks for them every second."""
 PATIENCE_S = 5.0
 BLIND_S = 0.5
 """Without a trusted shape for so long a move is interrupted, until there is one within `PATIENCE_S`."""
@@ -43,7 +49,9 @@ class Stand:
 
 
 class Leader:
-    """Leads one robot; raises RobotStoppedError as soon as anything is not as it should be."""
+    """Leads one robot; raises RobotStoppedError as soon as anything is not as it should be, and ServosSilentError when that is
+    servos that did not answer for a moment: then it may be homed anew.
+    """
 
     def __init__(
         self, hand: Hand, settings: ControllerSettings, tendons: int, turned: Callable[[], None]
@@ -57,8 +65,15 @@ class Leader:
         """Of the nodal points that were seen last."""
 
     def home(self) -> None:
-        """Until the robot is homed."""
-        self._asked(Action.HOME)
+        """Until the robot is homed; servos that were silent are waited for."""
+        end_s = self._watched().now_s + HEARD_WITHIN_S
+        while True:
+            try:
+                self._asked(Action.HOME)
+                break
+            except ServosSilentError:
+                if self._watched().now_s > end_s:
+                    raise
         within_s = self._tendons * 15.0 + 2 * self._settings.homing.timeout_s
         self._until(
             lambda glimpse: glimpse.state == State.READY, "homing", within_s, while_in=(State.HOMING,)
@@ -158,7 +173,7 @@ class Leader:
         reply = self._hand.ask(action, axis, distance_mm)
         if not reply.accepted:
             stands = action is Action.JOG and reply.state in _STANDING
-            refused = JogRefusedError if stands else RobotStoppedError
+            refused = JogRefusedError if stands else _stopped_by(reply.fault)
             raise refused(f"{action} was refused: {reply.reason}", reply.advice)
         self._allowed = _STANDING
 
@@ -177,7 +192,8 @@ class Leader:
             if met(glimpse):
                 return
             if glimpse.state not in (while_in or self._allowed):
-                raise RobotStoppedError(f"{what} ended in {glimpse.state}: {glimpse.reason}", glimpse.advice)
+                words = f"{what} ended in {glimpse.state}: {glimpse.reason}"
+                raise _stopped_by(glimpse.fault)(words, glimpse.advice)
             if self._allowed is _STANDING and not while_in and glimpse.now_s - self._trusted_s > BLIND_S:
                 self._wait_for_sight(what)
                 return
@@ -205,6 +221,39 @@ class Leader:
     def _distrust(self, shape: ShapeEstimate) -> str:
         age_s = shape.capture_to_publish_ns / 1e9
         return distrust(shape, age_s, np.inf, -np.inf, self._settings.sensing.maximum_age_s)
+
+
+@contextmanager
+def leading_robot(
+    hand: Hand, settings: ControllerSettings, tendons: int, turned: Callable[[], None]
+) -> Iterator[Leader]:
+    """A leader; when the block fails, the tendons are let go at once. Raises RobotStoppedError, and asks nothing of the
+    controller, when somebody else leads the robot.
+    """
+    found = hand.watch()
+    if found.state != State.IDLE:
+        raise RobotStoppedError(
+            f"the robot is not free to be led: its controller is in {found.state}: {found.reason}",
+            found.advice or "`nodal do relax` lets its tendons go",
+        )
+    try:
+        yield Leader(hand, settings, tendons, turned)
+    except BaseException:
+        _let_go_at_once(hand)
+        raise
+
+
+def _let_go_at_once(hand: Hand) -> None:
+    """Whatever led here is not hidden when nobody answers."""
+    try:
+        hand.ask(Action.STOP)
+        print("the tendons are let go", file=sys.stderr)
+    except UnansweredError as error:
+        print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
+
+
+def _stopped_by(fault: str) -> type[RobotStoppedError]:
+    return ServosSilentError if fault == DriveLostError.code else RobotStoppedError
 
 
 def _still(shapes: list[ShapeEstimate]) -> bool:

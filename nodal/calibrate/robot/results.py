@@ -1,24 +1,31 @@
 """What was identified, in the words of axes instead of matrices, and how well the moves are foreseen that nobody fitted."""
 
 import dataclasses
+import datetime as dt
+from collections.abc import Callable, Sequence
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from calibration.robot_identification import Expected, Identification, Identified
-from calibration.robot_model import Poses
-from controller.identified import IdentifiedSettings
+from controller.identified import Drawing, IdentifiedSettings
 from controller.kinematics import Kinematics
 from controller.laws import HOMING
 from controller.laws.resolved_rate import Tuning
 from controller.settings import ControllerSettings
+from messaging.settings import RobotSettings
 from nodal.calibrate.robot.experiment import Seen, current_ma
 from nodal.calibrate.robot.nominal import NominalModel
+from nodal.calibrate.robot.walking import Run
 
 Array = NDArray[np.float64]
 
 _SMALLEST_SIGMA = 1e-4
+_BELIEVABLE = 0.9
+"""Gains and bends beyond this, either way, are of no robot: a tendon is slack, or the stage stands still."""
+_CLEARLY = 0.8
+"""Moves must be foreseen so many times as far off as by the drawing, or nearer: else there is nothing to be gained."""
 
 
 class AxisFound(msgspec.Struct, frozen=True, kw_only=True):
@@ -52,7 +59,7 @@ class NodeForeseen(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Foreseen(msgspec.Struct, frozen=True, kw_only=True):
-    """The moves that are held out, by the drawing and by what was identified: RMS over all nodal points."""
+    """The moves that are held out, by the drawing and by what stands in `IdentifiedSettings`: RMS over all nodal points."""
 
     poses: int
     before_mm: float
@@ -68,11 +75,15 @@ class RobotFound(msgspec.Struct, frozen=True, kw_only=True):
     length_mm: float
     poses: int
     refused: int
+    """Poses that the controller refused to go to."""
+    refused_because: tuple[str, ...] = ()
     reversed: tuple[str, ...]
     axes: tuple[AxisFound, ...]
     fit_rms_mm: float
     held_out: Foreseen
     identified: IdentifiedSettings
+    doubt: str = ""
+    """Why the bench file was left as it is; empty when it was not."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,17 +94,42 @@ class Outcome:
     settings: IdentifiedSettings
     foreseen: Foreseen
 
+    @property
+    def doubt(self) -> str:
+        """Why a law must not begin at this; empty when it may."""
+        robot, (before_mm, after_mm) = self.robot, (self.foreseen.before_mm, self.foreseen.after_mm)
+        beyond = [
+            f"{name}{list(place)} is {value:+.2f}"
+            for name in ("gain", "bias_rad", "stage_gain")
+            for place, value in np.ndenumerate(getattr(robot, name).value)
+            if abs(value) > _BELIEVABLE
+        ]
+        if beyond:
+            return f"{', '.join(beyond)}, beyond {_BELIEVABLE:g} either way: is a tendon slack, or does the stage stand still?"
+        if after_mm > _CLEARLY * before_mm:
+            return (
+                f"moves that nothing was fitted to are not foreseen clearly better: {after_mm:.2f} mm RMS as identified, "
+                f"{before_mm:.2f} mm as drawn"
+            )
+        return ""
+
 
 def identify(
-    seen: Seen, settings: ControllerSettings, kinematics: Kinematics, names: tuple[str, ...], date: str
+    seen: Seen,
+    settings: ControllerSettings,
+    names: tuple[str, ...],
+    robot: RobotSettings,
+    mm_per_rad: tuple[float, ...],
 ) -> Outcome:
-    """Raises RobotPosesError when too little was seen."""
-    identification = Identification(_model(settings, kinematics), Expected(), seen.runs[0].arc_mm)
-    robot = identification.identified(seen.fitted)
+    """`names` of the nodal points; `mm_per_rad` of all servos. Raises RobotPosesError when too little was seen."""
+    model = _model(settings, settings.kinematics(robot))
+    date = dt.datetime.now().astimezone().isoformat(timespec="minutes")
+    identification = Identification(model, Expected(), seen.runs[0].poses.arc_mm)
+    found = identification.identified([run.fitted for run in seen.runs])
     return Outcome(
-        robot=robot,
-        settings=_settings(robot, date),
-        foreseen=_foreseen(identification, robot, seen.runs[-1], seen.held_out, names),
+        robot=found,
+        settings=_settings(found, date, settings.drawing(robot, mm_per_rad)),
+        foreseen=_foreseen(identification, found, seen.runs, names),
     )
 
 
@@ -143,7 +179,7 @@ def _model(settings: ControllerSettings, kinematics: Kinematics) -> NominalModel
     return NominalModel(kinematics, tuning.engaging_mm)
 
 
-def _settings(robot: Identified, date: str) -> IdentifiedSettings:
+def _settings(robot: Identified, date: str, drawing: Drawing) -> IdentifiedSettings:
     def rows(values: Array) -> tuple[tuple[float, ...], ...]:
         return tuple(tuple(row) for row in np.clip(values, -1, 1).round(4).tolist())
 
@@ -155,6 +191,7 @@ def _settings(robot: Identified, date: str) -> IdentifiedSettings:
 
     return IdentifiedSettings(
         date=date,
+        drawing=drawing,
         gain=rows(robot.gain.value),
         gain_sigma=rows(sigma(robot.gain.sigma)),
         bias_rad=row(np.clip(robot.bias_rad.value, -1, 1)),
@@ -167,22 +204,25 @@ def _settings(robot: Identified, date: str) -> IdentifiedSettings:
 
 
 def _foreseen(
-    identification: Identification, robot: Identified, last: Poses, held_out: int, names: tuple[str, ...]
+    identification: Identification, robot: Identified, runs: Sequence[Run], names: tuple[str, ...]
 ) -> Foreseen:
     """Open loop: from the servos' positions alone, along all of the way since homing."""
-    before = identification.drawn_mm(last.position_mm)
-    after = identification.foreseen_mm(robot, last.position_mm)
-    missed_mm = [
-        np.linalg.norm((nodes - last.node_mm)[len(last) - held_out :], axis=2) for nodes in (before, after)
-    ]
-    before_mm, after_mm = (np.sqrt((missed**2).mean(axis=0)).tolist() for missed in missed_mm)
-    whole_mm = [float(np.sqrt((missed**2).mean())) for missed in missed_mm]
+    held_out = sum(run.held_out for run in runs)
+
+    def missed_mm(foreseen: Callable[[Array], Array]) -> Array:
+        missed = [np.linalg.norm(foreseen(run.poses.position_mm) - run.poses.node_mm, axis=2) for run in runs]
+        return np.concatenate([one[len(one) - run.held_out :] for one, run in zip(missed, runs, strict=True)])
+
+    before_mm = missed_mm(identification.drawn_mm)
+    after_mm = missed_mm(lambda position_mm: identification.foreseen_mm(robot, position_mm))
+    of_nodes = (np.sqrt((missed**2).mean(axis=0)).tolist() for missed in (before_mm, after_mm))
+    arc_mm = runs[0].poses.arc_mm.tolist()
     return Foreseen(
         poses=held_out,
-        before_mm=whole_mm[0],
-        after_mm=whole_mm[1],
+        before_mm=float(np.sqrt((before_mm**2).mean())),
+        after_mm=float(np.sqrt((after_mm**2).mean())),
         nodes=tuple(
-            NodeForeseen(name=name, arc_mm=arc_mm, before_mm=one, after_mm=other)
-            for name, arc_mm, one, other in zip(names, last.arc_mm.tolist(), before_mm, after_mm, strict=True)
+            NodeForeseen(name=name, arc_mm=at_mm, before_mm=before, after_mm=after)
+            for name, at_mm, before, after in zip(names, arc_mm, *of_nodes, strict=True)
         ),
     )

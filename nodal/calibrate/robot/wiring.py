@@ -86,6 +86,13 @@ def _pulled(
 
 def _check(found: Sequence[Wired], turned: float, left: float, axes: Sequence[AxisSettings]) -> None:
     """Raises RobotStoppedError where a sign alone does not put it right."""
+    if all(axis.reversed for axis in found):
+        raise RobotStoppedError(
+            "all tendons bend the robot the other way",
+            "either the robot frame is turned by 180 degrees (nodal calibrate base), or mm_per_rad of every tendon in [servos] has "
+            "the wrong sign: cameras cannot tell the two apart. Jog one (nodal do jog 1 1), see which of its tendons is pulled, and "
+            "correct that one cause",
+        )
     misplaced = [axis for axis in found if axis.misplaced]
     strange = [axis for axis in found if not axis.alike]
     whole = ""

@@ -44,7 +44,10 @@ def _lines(found: RobotFound) -> Iterator[str]:
         f"  all: {held.before_mm:.2f} mm ({before:.1f} % of length) as drawn, {held.after_mm:.2f} mm ({after:.1f} %) as identified"
     )
     if found.refused:
-        yield f"{found.refused} poses were left out: the controller refused moves towards forbidden regions"
+        yield f"{found.refused} poses were not reached: {'; '.join(found.refused_because)}"
+    if found.doubt:
+        yield f"not written: {found.doubt}"
+        return
     yield f"written: [controller.identified], {found.date}, in {found.seconds:.0f} s; a controller reads it when it starts"
 
 

@@ -76,6 +76,7 @@ class VirtualHand:
             state=self.state,
             reason="no answer from servo 3" if self.state is State.FAULT else "",
             advice="look at the cable" if self.state is State.FAULT else "",
+            fault="drive_lost" if self.state is State.FAULT else "",
             command_mm=self.command_mm.copy() if told else np.full(TENDONS + 1, np.nan),
             position_mm=self.command_mm.copy(),
             current_ma=np.zeros(TENDONS + 1),

@@ -1,6 +1,8 @@
 """A robot that is led to be identified, on a bench in virtual time: what is found, what is refused, and what is kept."""
 
+import dataclasses
 import json
+import re
 import tomllib
 
 import msgspec
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 
 from calibration.robot_plan import Reach, planned
+from controller.laws.resolved_rate import Tuning
 from controller.settings import ControllerSettings, HomingSettings, JogSettings, SectionTendons
 from drivers.dynamixel.settings import AxisSettings
 from drivers.simulated.robot.settings import SectionSettings, SimulatedRobotSettings
@@ -18,7 +21,9 @@ from nodal.bench_editing import edit_bench_file
 from nodal.bench_file import read_bench
 from nodal.calibrate.robot.experiment import experiment, reach
 from nodal.calibrate.robot.leading import Leader
+from nodal.calibrate.robot.nominal import NominalModel
 from nodal.calibrate.robot.results import axes_found, identify
+from nodal.calibrate.robot.walking import Walk
 from nodal.calibrate.robot.wiring import find_wiring
 from nodal.errors import JogRefusedError, RobotStoppedError
 from nodal.virtual.bench import VirtualBench
@@ -157,30 +162,136 @@ def test_who_stops_the_bench_stops_this_too(led):
         led.leader.move(0, -5.0)
 
 
+def silence(led, seconds, *, after_s):
+    """The first servo says nothing for so long, from a while on."""
+    begin_s = led.bench.now_s + after_s
+
+    def then():
+        silent = begin_s < led.bench.now_s < begin_s + seconds
+        led.bench.actuators.silent = {0} if silent else set()
+
+    led.then = then
+
+
+def test_servos_that_are_silent_for_a_moment_cost_one_pose_and_no_more():
+    led, said = Led(homing=HomingSettings(find_slack=False)), []
+    walk = Walk(led.leader, print, said.append)
+    walk.home()
+    poses = np.array([[2.0, 0, 0], [-2.0, 0, 0], [0, 0, 0]])
+    silence(led, 0.4, after_s=1.2)
+    stands = walk.through(poses, "there", held_out=True)
+    np.testing.assert_allclose([stand.position_mm for stand in stands], poses, atol=0.1)
+    assert [(len(run.poses), run.held_out) for run in walk.runs] == [(1, 1), (2, 2)]
+    assert len(said) == 1
+    assert "no answer from servo 1: homing anew, then on from there (1 of at most 2 times)" in said[0]
+
+
+def test_servos_that_are_silent_again_and_again_end_it():
+    led = Led(homing=HomingSettings(find_slack=False))
+    walk = Walk(led.leader, print, print)
+    walk.home()
+    homings = []
+
+    def fail_in_every_move():
+        moving = led.bench.state.mode == "hold"
+        if moving:
+            homings.append(led.bench.now_s)
+        led.bench.actuators.silent = {0} if moving else set()
+
+    led.then = fail_in_every_move
+    with pytest.raises(RobotStoppedError, match="no answer from servo 1"):
+        walk.through(np.array([[2.0, 0, 0]]), "there")
+    assert led.bench.state.mode == "fault"
+
+
+def test_another_fault_is_not_forgiven():
+    led, said = Led(homing=HomingSettings(find_slack=False)), []
+    walk = Walk(led.leader, print, said.append)
+    walk.home()
+    begin_s = led.bench.now_s
+    led.then = lambda: led.bench.plant.servos[0].fail(0x20) if led.bench.now_s > begin_s + 0.3 else None
+    with pytest.raises(RobotStoppedError, match="ended in fault"):
+        walk.through(np.array([[2.0, 0, 0]]), "there")
+    assert not said
+
+
+def test_where_axes_stand_after_a_refused_move_is_recorded_with_the_controllers_reason():
+    led = Led(homing=HomingSettings(find_slack=False))
+    walk = Walk(led.leader, print, print)
+    walk.home()
+    stands = walk.through(np.array([[1.0, 0, 0], [2.0, 9.0, 0], [2.0, 9.0, 0], [0, 0, 0]]), "there")
+    np.testing.assert_allclose(
+        [stand.position_mm[:2] for stand in stands], [[1, 0], [2, 5], [0, 0]], atol=0.1
+    )
+    assert len(walk.refused) == 2
+    assert all("its travel is" in reason for reason in walk.refused)
+
+
+def test_nothing_but_refusals_end_it_with_the_reason():
+    led = Led(homing=HomingSettings(find_slack=False))
+    walk = Walk(led.leader, print, print)
+    walk.home()
+    with pytest.raises(
+        RobotStoppedError, match=r"there: not one move is possible: jog was refused: .* its travel is"
+    ):
+        walk.through(np.array([[9.0, 0, 0]]), "there")
+
+
 @pytest.fixture(scope="module")
 def identified():
     led = Led(homing=HomingSettings(find_slack=False))
     within = Reach(tendon_mm=3.0, stage_mm=(0.0, 4.0))
     plan = planned(led.kinematics.command_of_coordinates[:2, :2], np.ones(2, bool), within, 8, 4)
-    told = []
-    seen = experiment(led.leader, plan, told.append)
+    seen = experiment(led.leader, plan, print, print)
     led.leader.let_go()
-    outcome = identify(seen, led.settings, led.kinematics, led.leader.node_names, "today")
-    return led, seen, outcome, told
+    return led, seen, identify(seen, led.settings, led.leader.node_names, ROBOT, (5.0, 5.0, 1.0))
 
 
 def test_moves_that_nobody_fitted_are_foreseen_several_times_better_than_by_the_drawing(identified):
-    led, seen, outcome, _ = identified
+    led, seen, outcome = identified
     foreseen = outcome.foreseen
-    assert foreseen.poses == seen.held_out == 4
+    assert foreseen.poses == 4
+    assert [run.held_out for run in seen.runs] == [0, 4]
+    assert not outcome.doubt
     assert foreseen.before_mm > 0.05 * 40
     assert foreseen.after_mm < foreseen.before_mm / 2.5
     assert [node.name for node in foreseen.nodes] == ["middle", "tip"]
     assert led.bench.state.mode == "idle"
 
 
+def test_what_is_said_to_be_foreseen_is_what_the_table_in_the_bench_file_foresees(identified):
+    led, seen, outcome = identified
+    known, kinematics = outcome.settings, led.kinematics
+    model, run = NominalModel(kinematics, Tuning().engaging_mm), seen.runs[-1]
+    felt = model.felt(run.poses.position_mm, np.append(known.lost_motion_mm, 0.0), np.zeros(3))
+    turned = model.bend_of_coordinates @ (np.eye(2) + known.gain) @ model.coordinates_of_command
+    nodes_mm = model.bent(felt @ turned.T + known.bias_rad, run.poses.arc_mm)
+    nodes_mm[..., 2] += (1 + known.stage_gain[0]) * felt[:, -1:]
+    missed_mm = np.linalg.norm(nodes_mm - run.poses.node_mm, axis=2)[-run.held_out :]
+    assert np.sqrt((missed_mm**2).mean()) == pytest.approx(outcome.foreseen.after_mm, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "doubt"),
+    [
+        (
+            "stage_gain",
+            [-0.97],
+            r"stage_gain\[0\] is -0.97, beyond 0.9 either way: .* does the stage stand still",
+        ),
+        ("gain", [[0.0, 1.3], [0.0, 0.0]], r"gain\[0, 1\] is \+1.30"),
+        ("bias_rad", [0.0, -1.2], r"bias_rad\[1\] is -1.20"),
+    ],
+)
+def test_numbers_of_no_robot_are_doubted_instead_of_cut_off(identified, name, value, doubt):
+    *_, outcome = identified
+    estimate = dataclasses.replace(getattr(outcome.robot, name), value=np.array(value))
+    robot = dataclasses.replace(outcome.robot, **{name: estimate})
+    assert re.search(doubt, dataclasses.replace(outcome, robot=robot).doubt)
+
+
 def test_gains_of_axes_and_stage_come_out_in_their_order(identified):
-    led, seen, outcome, _ = identified
+    led, seen, outcome = identified
     x, y = axes_found(outcome, seen, led.kinematics, NAMES)
     assert x.gain / y.gain == pytest.approx(1.1 / 0.8, abs=0.15)
     assert outcome.settings.stage_gain[0] == pytest.approx(0.03, abs=0.02)
@@ -190,7 +301,7 @@ def test_gains_of_axes_and_stage_come_out_in_their_order(identified):
 
 
 def test_what_is_found_goes_into_the_bench_file_and_comes_out_the_same(identified, tmp_path):
-    *_, outcome, _ = identified
+    *_, outcome = identified
     path = tmp_path / "bench.toml"
     path.write_text(
         'name = "b" # mine\n[servos]\nport = "p"\ntendons = [\n  { name = "x", id = 1, mm_per_rad = 5.0 }, # wound oddly\n'
@@ -214,9 +325,10 @@ def test_a_dry_run_says_what_would_be_moved(capsys, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_share_beyond_the_limits_is_an_error(capsys):
-    assert main(["calibrate", "robot", "--config", "simulated", "--share", "1.2"]) == 2
-    assert "--share 1.2: allowed is above 0 and up to 1" in capsys.readouterr().err
+@pytest.mark.parametrize("share", ["1.2", "0.001"])
+def test_a_share_beyond_the_limits_or_too_small_to_tell_anything_is_an_error(capsys, share):
+    assert main(["calibrate", "robot", "--config", "simulated", "--share", share]) == 2
+    assert f"--share {share}: allowed are 0.2 to 1" in capsys.readouterr().err
 
 
 def test_the_stage_goes_where_there_is_room():
@@ -227,5 +339,5 @@ def test_the_stage_goes_where_there_is_room():
 
 
 def test_figures_are_json(identified):
-    *_, outcome, _ = identified
+    *_, outcome = identified
     assert json.loads(msgspec.json.encode(outcome.foreseen))["nodes"][1]["name"] == "tip"

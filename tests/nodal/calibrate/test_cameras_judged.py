@@ -8,7 +8,7 @@ import pytest
 
 from calibration.base import Base, BasesFound
 from calibration.camera_set import BoardCheck
-from controller.identified import IdentifiedSettings
+from controller.identified import Drawing, IdentifiedSettings
 from nodal.__main__ import main
 from nodal.calibrate.background.judging import CameraBackground
 from nodal.calibrate.background.keeping import FILE, BackgroundFound
@@ -127,6 +127,7 @@ def test_what_later_steps_found_is_shown(calibrated_bench):
     )
     identified = IdentifiedSettings(
         date="today",
+        drawing=Drawing(section_length_mm=(), angle_deg=(), pitch_radius_mm=(), coupling=1.0, mm_per_rad=()),
         gain=((0.0,),),
         gain_sigma=((0.1,),),
         bias_rad=(0.0,),
