@@ -42,11 +42,11 @@ AXES = tuple(
 def identified(seed: int, share: float) -> tuple[Outcome, float]:
     """What is found on this bench, and how long it takes there."""
     bench = VirtualBench(random_bench(seed), SETTINGS, ROBOT)
-    leader, begin_s = Leader(VirtualHand(bench), SETTINGS, len(AXES), lambda: None), bench.now_s
+    leader, begin_s = Leader(VirtualHand(bench), SETTINGS, len(AXES), lambda: None, print), bench.now_s
     kinematics = SETTINGS.kinematics(ROBOT)
     find_wiring(leader, SETTINGS, kinematics, AXES)
     plan = plan_for(SETTINGS, ROBOT, reach(SETTINGS, share, leader.stage_mm()))
-    seen = experiment(leader, plan, lambda _: None, print)
+    seen = experiment(leader, plan, lambda _: None)
     leader.let_go()
     mm_per_rad = tuple(axis.mm_per_rad for axis in AXES)
     return identify(seen, SETTINGS, leader.node_names, ROBOT, mm_per_rad), bench.now_s - begin_s

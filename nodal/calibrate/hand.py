@@ -33,6 +33,8 @@ class Glimpse:
     advice: str
     fault: str
     """Its code; empty without one."""
+    absence: str
+    """Why the servos are not heard; empty while they are."""
     command_mm: Array
     """(A,); NaN while the tendons are told nothing."""
     position_mm: Array
@@ -117,6 +119,7 @@ class BenchHand:
             reason=state.reason,
             advice=state.advice,
             fault=state.fault,
+            absence=state.drive_absence,
             command_mm=command_mm,
             position_mm=position_mm,
             current_ma=drive.current_ma,

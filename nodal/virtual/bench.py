@@ -81,6 +81,11 @@ class VirtualBench:
         """Virtual time at which the next cycle begins."""
         return _START_S + self._cycle * self._period_s
 
+    @property
+    def absence(self) -> str:
+        """Why the controller does not hear its servos; empty while it does."""
+        return self._drive.absence
+
     def copy(self) -> Self:
         """Another bench in the same state."""
         return copy.deepcopy(self)

@@ -42,6 +42,7 @@ class VirtualHand:
             reason=state.supervision.reason,
             advice=told.get("advice", ""),
             fault=told.get("fault", ""),
+            absence=bench.absence,
             command_mm=state.command_mm if state.mode.torque else np.full(bench.plant.axes, np.nan),
             position_mm=drive.position_mm,
             current_ma=drive.current_ma,

@@ -71,7 +71,7 @@ def calibrate_robot(bench: BenchFile, share: float) -> RobotFound:
         if theirs:
             progress.say("nodal control runs already and is used as it is")
         reversed_axes: tuple[str, ...] = ()
-        with _led(bench, turned) as leader:
+        with _led(bench, turned, progress.say) as leader:
             wiring = _wiring(leader, bench.settings, progress)
             if not wiring.reversed:
                 return _identified(bench, leader, progress, share, begin_s, reversed_axes, turned)
@@ -82,7 +82,7 @@ def calibrate_robot(bench: BenchFile, share: float) -> RobotFound:
                 f"the sign of {', '.join(reversed_axes)} was wrong; it is corrected in {bench.path}", _RESTART
             )
         bench = read_bench(bench.path)
-        with _led(bench, turned) as leader:
+        with _led(bench, turned, progress.say) as leader:
             return _identified(bench, leader, progress, share, begin_s, reversed_axes, turned)
 
 
@@ -98,13 +98,13 @@ def _check(bench: BenchFile) -> None:
 
 
 @contextmanager
-def _led(bench: BenchFile, turned: Callable[[], None]) -> Iterator[Leader]:
+def _led(bench: BenchFile, turned: Callable[[], None], say: Callable[[str], None]) -> Iterator[Leader]:
     """A leader on a controller that reads the bench file as it is now, and runs as long as this lasts."""
     settings = bench.checked()
     with with_processes(bench, "calibration-robot", ("control",)) as session:
         turned()
         tendons = len(settings.servos.tendons)
-        with leading_robot(BenchHand(session), settings.controller, tendons, turned) as leader:
+        with leading_robot(BenchHand(session), settings.controller, tendons, turned, say) as leader:
             yield leader
 
 
@@ -145,7 +145,7 @@ def _identified(
     stage_mm = leader.stage_mm() if robot.stage else None
     plan = plan_for(controller, robot, reach(controller, share, stage_mm))
     progress.takes(seconds(plan, controller))
-    seen = experiment(leader, plan, progress.tell, progress.say)
+    seen = experiment(leader, plan, progress.tell)
     progress.tell("relaxing")
     leader.let_go()
     mm_per_rad = tuple(axis.mm_per_rad for axis in settings.servos.axes)

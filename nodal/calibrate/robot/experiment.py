@@ -62,12 +62,12 @@ def seconds(plan: Plan, settings: ControllerSettings) -> float:
     return float(travel_mm / settings.jog.mm_s + LOOK_S * len(poses) + 2 * HOMING_S + PULL_S * tendons)
 
 
-def experiment(leader: Leader, plan: Plan, tell: Callable[[str], None], say: Callable[[str], None]) -> Seen:
+def experiment(leader: Leader, plan: Plan, tell: Callable[[str], None]) -> Seen:
     """Home, each axis alone, home again, all together, and the moves that are held out; raises RobotStoppedError.
 
-    `tell` is told what is done; `say` what a person has to know afterwards too.
+    `tell` is told what is done.
     """
-    walk = Walk(leader, tell, say)
+    walk = Walk(leader, tell)
     tell("homing")
     walk.home()
     alone = walk.through(plan.alone_mm, "each axis alone")

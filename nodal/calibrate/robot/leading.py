@@ -27,6 +27,8 @@ SHAPES = 6
 STILL_WITHIN_S = 10.0
 HEARD_WITHIN_S = 5.0
 """Until servos that were silent are found again: the controller looks for them every second."""
+SILENCES = 2
+"""So often servos may be silent: a computer that is busy for a moment may do that, a bad cable does it again."""
 PATIENCE_S = 5.0
 BLIND_S = 0.5
 """Without a trusted shape for so long a move is interrupted, until there is one within `PATIENCE_S`."""
@@ -49,15 +51,19 @@ class Stand:
 
 
 class Leader:
-    """Leads one robot; raises RobotStoppedError as soon as anything is not as it should be, and ServosSilentError when that is
-    servos that did not answer for a moment: then it may be homed anew.
-    """
+    """Leads one robot; raises RobotStoppedError as soon as anything is not as it should be."""
 
     def __init__(
-        self, hand: Hand, settings: ControllerSettings, tendons: int, turned: Callable[[], None]
+        self,
+        hand: Hand,
+        settings: ControllerSettings,
+        tendons: int,
+        turned: Callable[[], None],
+        say: Callable[[str], None],
     ) -> None:
-        """`turned` is called on every turn of every wait."""
+        """`turned` is called on every turn of every wait, and may raise; `say` is told what a person has to know."""
         self._hand, self._settings, self._tendons, self._turned = hand, settings, tendons, turned
+        self._say, self._silences = say, 0
         self._allowed: tuple[State, ...] = (State.IDLE,)
         self._trusted_s = -np.inf
         self._why_not = "no shape has come yet"
@@ -65,15 +71,8 @@ class Leader:
         """Of the nodal points that were seen last."""
 
     def home(self) -> None:
-        """Until the robot is homed; servos that were silent are waited for."""
-        end_s = self._watched().now_s + HEARD_WITHIN_S
-        while True:
-            try:
-                self._asked(Action.HOME)
-                break
-            except ServosSilentError:
-                if self._watched().now_s > end_s:
-                    raise
+        """Until the robot is homed."""
+        self._asked(Action.HOME)
         within_s = self._tendons * 15.0 + 2 * self._settings.homing.timeout_s
         self._until(
             lambda glimpse: glimpse.state == State.READY, "homing", within_s, while_in=(State.HOMING,)
@@ -84,6 +83,28 @@ class Leader:
         self._asked(Action.RELAX)
         within_s = self._settings.limits.displacement_mm / self._settings.relax_mm_s + PATIENCE_S
         self._until(lambda glimpse: glimpse.state == State.IDLE, "relaxing", within_s, while_in=(State.HOLD,))
+        self._allowed = (State.IDLE,)
+
+    def patiently(self, step: Callable[[], None], anew: Callable[[], None]) -> None:
+        """The step. When servos do not answer for a moment in it, they are waited for, and after `anew` the step is begun again:
+        `SILENCES` times in all that this leader does.
+        """
+        ready = True
+        while True:
+            try:
+                if not ready:
+                    self._wait_for_servos()
+                    self._allowed = (State.FAULT,)
+                    self.stand()  # a robot that was let go swings, and is not homed unseen
+                    anew()
+                    ready = True
+                return step()
+            except ServosSilentError as silence:
+                self._silences += 1
+                if self._silences > SILENCES:
+                    raise
+                ready = False
+                self._say(f"{silence}; trying it again ({self._silences} of at most {SILENCES} times)")
 
     def go(self, command_mm: Array) -> None:
         """To this command (A,), one axis after the other: those first that come nearer to their zero."""
@@ -210,6 +231,14 @@ class Leader:
                 raise RobotStoppedError(f"{what}: no trusted shape: {self._why_not}", _UNSEEN)
             glimpse = self._watched()
 
+    def _wait_for_servos(self) -> None:
+        glimpse = self._watched()
+        end_s = glimpse.now_s + HEARD_WITHIN_S
+        while glimpse.absence:
+            if glimpse.now_s > end_s:
+                raise RobotStoppedError(f"the servos are silent: {glimpse.absence}", glimpse.advice)
+            glimpse = self._watched()
+
     def _watched(self) -> Glimpse:
         self._turned()
         glimpse = self._hand.watch()
@@ -225,7 +254,11 @@ class Leader:
 
 @contextmanager
 def leading_robot(
-    hand: Hand, settings: ControllerSettings, tendons: int, turned: Callable[[], None]
+    hand: Hand,
+    settings: ControllerSettings,
+    tendons: int,
+    turned: Callable[[], None],
+    say: Callable[[str], None],
 ) -> Iterator[Leader]:
     """A leader; when the block fails, the tendons are let go at once. Raises RobotStoppedError, and asks nothing of the
     controller, when somebody else leads the robot.
@@ -237,7 +270,7 @@ def leading_robot(
             found.advice or "`nodal do relax` lets its tendons go",
         )
     try:
-        yield Leader(hand, settings, tendons, turned)
+        yield Leader(hand, settings, tendons, turned, say)
     except BaseException:
         _let_go_at_once(hand)
         raise

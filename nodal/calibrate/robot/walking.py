@@ -1,4 +1,4 @@
-"""The robot led through many poses: where it stood in each, what was refused, and servos that were silent for a moment."""
+"""The robot led through many poses: where it stood in each, and what was refused."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -8,12 +8,9 @@ from numpy.typing import NDArray
 
 from calibration.robot_model import Poses
 from nodal.calibrate.robot.leading import THERE_MM, Leader, Stand
-from nodal.errors import JogRefusedError, RobotStoppedError, ServosSilentError
+from nodal.errors import JogRefusedError, RobotStoppedError
 
 Array = NDArray[np.float64]
-
-SILENCES = 2
-"""So often a robot is homed anew because its servos were silent: a busy computer may do that, a bad cable does it again."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,14 +27,13 @@ class Run:
 
 
 class Walk:
-    """Leads a robot, and begins a run with every homing."""
+    """Leads a robot, and begins a run with every homing: also when its servos were silent for a moment."""
 
-    def __init__(self, leader: Leader, tell: Callable[[str], None], say: Callable[[str], None]) -> None:
-        """`tell` is told what is done; `say` what a person has to know afterwards too."""
-        self._leader, self._tell, self._say = leader, tell, say
+    def __init__(self, leader: Leader, tell: Callable[[str], None]) -> None:
+        """`tell` is told what is done."""
+        self._leader, self._tell = leader, tell
         self._stands: list[list[Stand]] = []
         self._held_out: list[int] = []
-        self._silences = 0
         self.refused: list[str] = []
         """Why poses were not reached, each with the controller's reason."""
 
@@ -52,11 +48,11 @@ class Walk:
 
     def home(self) -> None:
         """Begin a run; raises RobotStoppedError."""
-        self._again_when_silent(lambda: None, homed=False)
+        self._leader.patiently(self._home, lambda: None)
 
     def back(self, pose_mm: Array) -> None:
         """To this pose (A,), where nothing is looked at; raises RobotStoppedError."""
-        self._again_when_silent(lambda: self._leader.go(pose_mm))
+        self._leader.patiently(lambda: self._leader.go(pose_mm), self._home)
 
     def through(self, poses_mm: Array, what: str, *, held_out: bool = False) -> list[Stand]:
         """Where the robot stood in these poses (n, A): also half-way to one that was refused, because axes went that far.
@@ -75,7 +71,7 @@ class Walk:
                     self._stands[-1].append(stand)
                     self._held_out[-1] += held_out
 
-            self._again_when_silent(visit)
+            self._leader.patiently(visit, self._home)
         if len(self.refused) - refused == len(poses_mm):
             raise RobotStoppedError(
                 f"{what}: not one move is possible: {self.refused[-1]}", "move less far: --share"
@@ -93,26 +89,10 @@ class Walk:
                 return None
         return self._leader.stand()
 
-    def _again_when_silent(self, step: Callable[[], None], *, homed: bool = True) -> None:
-        """The step, after homing where that is needed, and again from homing on when servos are silent for a moment in it."""
-        while True:
-            try:
-                if not homed:
-                    self._leader.home()
-                    self._stands.append([])
-                    self._held_out.append(0)
-                    homed = True
-                step()
-            except ServosSilentError as silence:
-                self._silences += 1
-                if self._silences > SILENCES:
-                    raise
-                homed = False
-                self._say(
-                    f"{silence}: homing anew, then on from there ({self._silences} of at most {SILENCES} times)"
-                )
-            else:
-                return
+    def _home(self) -> None:
+        self._leader.home()
+        self._stands.append([])
+        self._held_out.append(0)
 
 
 def _poses(stands: Sequence[Stand]) -> Poses:

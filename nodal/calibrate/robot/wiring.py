@@ -45,8 +45,13 @@ def find_wiring(
     """
     seen, arc_mm = [], np.zeros(0)
     for axis, settings_of_axis in enumerate(axes):
-        motion, arc_mm = _pulled(leader, settings, axis, settings_of_axis)
-        seen.append(motion)
+
+        def pull(axis: int = axis, of_axis: AxisSettings = settings_of_axis) -> None:
+            nonlocal arc_mm
+            motion, arc_mm = _pulled(leader, settings, axis, of_axis)
+            seen.append(motion)
+
+        leader.patiently(pull, leader.let_go)
     straight = kinematics.nodes_and_jacobian(np.zeros(kinematics.axes), arc_mm)[1]
     drawn = np.moveaxis(straight, -1, 0)[: kinematics.tendons]
     found = wired(np.array(seen), drawn)

@@ -3,7 +3,8 @@
 import os
 import signal
 import threading
-from contextlib import nullcontext
+from contextlib import nullcontext, redirect_stderr
+from io import StringIO
 from types import SimpleNamespace
 
 import msgspec
@@ -77,6 +78,7 @@ class VirtualHand:
             reason="no answer from servo 3" if self.state is State.FAULT else "",
             advice="look at the cable" if self.state is State.FAULT else "",
             fault="drive_lost" if self.state is State.FAULT else "",
+            absence="",
             command_mm=self.command_mm.copy() if told else np.full(TENDONS + 1, np.nan),
             position_mm=self.command_mm.copy(),
             current_ma=np.zeros(TENDONS + 1),
@@ -137,18 +139,20 @@ def calibrate_base(bench, hand, *words):
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory, make_bench):
-    """The bench that was calibrated by its robot, the base, and the hand that led it; its first tendon has the wrong sign."""
+    """The bench that was calibrated by its robot, the hand that led it, the base, and what was said; the first tendon has the wrong
+    sign.
+    """
     bench = make_bench(tmp_path_factory.mktemp("base"))
     hand = VirtualHand(SimulatedRobot(SimulatedRobotSettings()), wrong=(0,))
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, redirect_stderr(StringIO()) as said:
         patch.setattr(finding, "stop_on_signals", threading.Event)
         assert calibrate_base(bench, hand) == 0
     kept = msgspec.json.decode((bench.parent / "calibration/base.json").read_bytes(), type=BasesFound)
-    return bench, hand, kept.robot
+    return bench, hand, kept.robot, said.getvalue()
 
 
 def test_the_frame_is_found_as_exactly_as_is_said_of_it(found):
-    _, _, base = found
+    _, _, base, _ = found
     rig = default_cameras()
     apart = apart_from(rig[0].camera_from_robot, base.matrix)
     assert apart.origin_mm < min(0.2, 3 * base.origin_sigma_mm)
@@ -160,22 +164,23 @@ def test_the_frame_is_found_as_exactly_as_is_said_of_it(found):
 
 
 def test_the_robot_is_led_back_and_let_go(found):
-    _, hand, _ = found
+    _, hand, _, _ = found
     assert hand.asked[-1][0] is Action.RELAX
     assert hand.command_mm == pytest.approx(np.zeros(TENDONS + 1), abs=1e-6)
     assert max(abs(distance) for _, _, distance in hand.asked) <= JogSettings().at_most_mm
 
 
 def test_the_rig_is_written_in_the_frame_that_was_found(found):
-    bench, _, base = found
+    bench, _, base, _ = found
     for true, written in zip(default_cameras(), load_rig(bench.parent / "calibration/rig.json"), strict=True):
         camera_from_rig = true.camera_from_robot @ np.linalg.inv(default_cameras()[0].camera_from_robot)
         np.testing.assert_allclose(written.camera_from_robot, camera_from_rig @ base.matrix, atol=1e-9)
 
 
 def test_a_wrong_sign_is_no_hindrance_and_told_of(found):
-    _, _, base = found
+    _, _, base, said = found
     assert [pull.reversed for pull in base.robot.pulls] == [True, False, False, False]
+    assert "by proximal y, distal x, distal y, the sign of mm_per_rad is wrong for proximal x: " in said
 
 
 @pytest.fixture

@@ -62,7 +62,8 @@ class Led:
         self.settings = controller(**settings)
         self.bench = VirtualBench(ONE_SECTION, self.settings, ROBOT)
         self.bench.run(0.2)
-        self.leader = Leader(VirtualHand(self.bench), self.settings, 2, self.turned)
+        self.said = []
+        self.leader = Leader(VirtualHand(self.bench), self.settings, 2, self.turned, self.said.append)
         self.kinematics = self.settings.kinematics(ROBOT)
         self.then = lambda: None
 
@@ -163,61 +164,66 @@ def test_who_stops_the_bench_stops_this_too(led):
 
 
 def silence(led, seconds, *, after_s):
-    """The first servo says nothing for so long, from a while on."""
+    """The first servo says nothing for so long, from a while on; and the robot that was let go is seen badly for longer."""
     begin_s = led.bench.now_s + after_s
 
     def then():
-        silent = begin_s < led.bench.now_s < begin_s + seconds
-        led.bench.actuators.silent = {0} if silent else set()
+        since_s = led.bench.now_s - begin_s
+        led.bench.actuators.silent = {0} if 0 < since_s < seconds else set()
+        led.bench.seeing.flags = ("base_unknown",) if 0 < since_s < seconds + 1.5 else ()
 
     led.then = then
 
 
 def test_servos_that_are_silent_for_a_moment_cost_one_pose_and_no_more():
-    led, said = Led(homing=HomingSettings(find_slack=False)), []
-    walk = Walk(led.leader, print, said.append)
+    led = Led(homing=HomingSettings(find_slack=False))
+    walk = Walk(led.leader, print)
     walk.home()
     poses = np.array([[2.0, 0, 0], [-2.0, 0, 0], [0, 0, 0]])
     silence(led, 0.4, after_s=1.2)
     stands = walk.through(poses, "there", held_out=True)
     np.testing.assert_allclose([stand.position_mm for stand in stands], poses, atol=0.1)
     assert [(len(run.poses), run.held_out) for run in walk.runs] == [(1, 1), (2, 2)]
-    assert len(said) == 1
-    assert "no answer from servo 1: homing anew, then on from there (1 of at most 2 times)" in said[0]
+    assert len(led.said) == 1
+    assert "no answer from servo 1; trying it again (1 of at most 2 times)" in led.said[0]
+
+
+def test_servos_that_are_silent_while_it_is_found_out_which_way_tendons_bend_are_forgiven_too(led):
+    led.bench.plant.mm_per_rad[1] *= -1
+    silence(led, 0.4, after_s=2.0)
+    assert led.wiring().reversed == (1,)
+    assert len(led.said) == 1
 
 
 def test_servos_that_are_silent_again_and_again_end_it():
     led = Led(homing=HomingSettings(find_slack=False))
-    walk = Walk(led.leader, print, print)
+    walk = Walk(led.leader, print)
     walk.home()
-    homings = []
 
     def fail_in_every_move():
-        moving = led.bench.state.mode == "hold"
-        if moving:
-            homings.append(led.bench.now_s)
-        led.bench.actuators.silent = {0} if moving else set()
+        led.bench.actuators.silent = {0} if led.bench.state.mode == "hold" else set()
 
     led.then = fail_in_every_move
     with pytest.raises(RobotStoppedError, match="no answer from servo 1"):
         walk.through(np.array([[2.0, 0, 0]]), "there")
     assert led.bench.state.mode == "fault"
+    assert len(led.said) == 2
 
 
 def test_another_fault_is_not_forgiven():
-    led, said = Led(homing=HomingSettings(find_slack=False)), []
-    walk = Walk(led.leader, print, said.append)
+    led = Led(homing=HomingSettings(find_slack=False))
+    walk = Walk(led.leader, print)
     walk.home()
     begin_s = led.bench.now_s
     led.then = lambda: led.bench.plant.servos[0].fail(0x20) if led.bench.now_s > begin_s + 0.3 else None
     with pytest.raises(RobotStoppedError, match="ended in fault"):
         walk.through(np.array([[2.0, 0, 0]]), "there")
-    assert not said
+    assert not led.said
 
 
 def test_where_axes_stand_after_a_refused_move_is_recorded_with_the_controllers_reason():
     led = Led(homing=HomingSettings(find_slack=False))
-    walk = Walk(led.leader, print, print)
+    walk = Walk(led.leader, print)
     walk.home()
     stands = walk.through(np.array([[1.0, 0, 0], [2.0, 9.0, 0], [2.0, 9.0, 0], [0, 0, 0]]), "there")
     np.testing.assert_allclose(
@@ -229,7 +235,7 @@ def test_where_axes_stand_after_a_refused_move_is_recorded_with_the_controllers_
 
 def test_nothing_but_refusals_end_it_with_the_reason():
     led = Led(homing=HomingSettings(find_slack=False))
-    walk = Walk(led.leader, print, print)
+    walk = Walk(led.leader, print)
     walk.home()
     with pytest.raises(
         RobotStoppedError, match=r"there: not one move is possible: jog was refused: .* its travel is"
@@ -242,7 +248,7 @@ def identified():
     led = Led(homing=HomingSettings(find_slack=False))
     within = Reach(tendon_mm=3.0, stage_mm=(0.0, 4.0))
     plan = planned(led.kinematics.command_of_coordinates[:2, :2], np.ones(2, bool), within, 8, 4)
-    seen = experiment(led.leader, plan, print, print)
+    seen = experiment(led.leader, plan, print)
     led.leader.let_go()
     return led, seen, identify(seen, led.settings, led.leader.node_names, ROBOT, (5.0, 5.0, 1.0))
 
