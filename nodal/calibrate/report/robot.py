@@ -15,7 +15,9 @@ def content(known: Material) -> Content:
     if found is None:
         return None
     held_out = found.held_out
+    doubt = [element("p", f"Not written into the bench file: {found.doubt}.")] if found.doubt else []
     return [
+        *doubt,
         element(
             "p",
             f"Identified {found.date} from {found.poses} poses, fitted to {with_unit(found.fit_rms_mm, 'mm')} RMS. Values with ± "

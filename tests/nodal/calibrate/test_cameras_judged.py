@@ -147,6 +147,7 @@ def test_what_later_steps_found_is_shown(calibrated_bench):
         fit_rms_mm=0.4,
         held_out=Foreseen(poses=6, before_mm=5.0, after_mm=0.6, nodes=(tip,)),
         identified=identified,
+        doubt="the stage stands still",
     )
     seen = CameraBackground(
         camera="left",
@@ -169,6 +170,7 @@ def test_what_later_steps_found_is_shown(calibrated_bench):
     assert main(["calibration", "report", "--config", str(calibrated_bench), "--out", str(page)]) == 0
     text = page.read_text()
     assert "Signs that were corrected: distal y." in text
+    assert "Not written into the bench file: the stage stands still." in text
     assert "0.913 ± 0.012" in text
     assert "0.700\u202fmm" in text
     assert "with the stage at 3.0 mm" in text
