@@ -96,12 +96,11 @@ def _doubts(base: Base) -> Iterator[str]:
         yield f"the residual by the {base.way} is poor: calibrate the cameras anew, or look whether one was moved since"
     if base.robot is None:
         return
-    if opposed := [pull.name for pull in base.robot.pulls if pull.reversed]:
+    if opposed := ", ".join(pull.name for pull in base.robot.pulls if pull.reversed):
         others = ", ".join(pull.name for pull in base.robot.pulls if not pull.reversed)
         yield (
-            f"{', '.join(opposed)} bend the robot the other way than {others} say: the signs of {', '.join(opposed)} are taken to be "
-            "wrong, and `nodal calibrate robot` will correct them. If the X axis in the pictures points away from where it "
-            f"should, they are right: turn mm_per_rad round for {others}, and find the base again"
+            f"by {others}, the sign of mm_per_rad is wrong for {opposed}: `nodal calibrate robot` will correct it. If X in the "
+            f"pictures points away from where it should, it is the other way about: turn the signs of {others}, and find the base anew"
         )
     if not base.robot.travel_mm:
         yield "without a stage, Z is the direction in which the robot leaves its holder, known to a degree or so"
