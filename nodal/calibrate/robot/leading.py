@@ -4,6 +4,7 @@ import dataclasses
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from nodal.calibrate.hand import Glimpse, Hand
 from nodal.errors import JogRefusedError, RobotStoppedError, ServosSilentError
 
 Array = NDArray[np.float64]
+Result = TypeVar("Result")
 
 SETTLED_S = 0.3
 """Until servos and robot have come to rest after a move."""
@@ -85,9 +87,9 @@ class Leader:
         self._until(lambda glimpse: glimpse.state == State.IDLE, "relaxing", within_s, while_in=(State.HOLD,))
         self._allowed = (State.IDLE,)
 
-    def patiently(self, step: Callable[[], None], anew: Callable[[], None]) -> None:
-        """The step. When servos do not answer for a moment in it, they are waited for, and after `anew` the step is begun again:
-        `SILENCES` times in all that this leader does.
+    def patiently(self, step: Callable[[], Result], anew: Callable[[], None]) -> Result:
+        """What the step gives. When servos do not answer for a moment in it, they are waited for, and after `anew` the step is
+        begun again: `SILENCES` times in all that this leader does.
         """
         ready = True
         while True:

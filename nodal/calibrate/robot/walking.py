@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,11 +49,11 @@ class Walk:
 
     def home(self) -> None:
         """Begin a run; raises RobotStoppedError."""
-        self._leader.patiently(self._home, lambda: None)
+        self._leader.patiently(self._home, anew=lambda: None)
 
     def back(self, pose_mm: Array) -> None:
         """To this pose (A,), where nothing is looked at; raises RobotStoppedError."""
-        self._leader.patiently(lambda: self._leader.go(pose_mm), self._home)
+        self._leader.patiently(lambda: self._leader.go(pose_mm), anew=self._home)
 
     def through(self, poses_mm: Array, what: str, *, held_out: bool = False) -> list[Stand]:
         """Where the robot stood in these poses (n, A): also half-way to one that was refused, because axes went that far.
@@ -63,15 +64,11 @@ class Walk:
         refused = len(self.refused)
         for number, pose_mm in enumerate(poses_mm, start=1):
             self._tell(f"{what}: {number} of {len(poses_mm)}")
-
-            def visit(pose_mm: Array = pose_mm) -> None:
-                stand = self._stand_at(pose_mm)
-                if stand is not None:
-                    stands.append(stand)
-                    self._stands[-1].append(stand)
-                    self._held_out[-1] += held_out
-
-            self._leader.patiently(visit, self._home)
+            stand = self._leader.patiently(partial(self._stand_at, pose_mm), anew=self._home)
+            if stand is not None:
+                stands.append(stand)
+                self._stands[-1].append(stand)
+                self._held_out[-1] += held_out
         if len(self.refused) - refused == len(poses_mm):
             raise RobotStoppedError(
                 f"{what}: not one move is possible: {self.refused[-1]}", "move less far: --share"

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,14 +45,11 @@ def find_wiring(
     another's.
     """
     seen, arc_mm = [], np.zeros(0)
-    for axis, settings_of_axis in enumerate(axes):
-
-        def pull(axis: int = axis, of_axis: AxisSettings = settings_of_axis) -> None:
-            nonlocal arc_mm
-            motion, arc_mm = _pulled(leader, settings, axis, of_axis)
-            seen.append(motion)
-
-        leader.patiently(pull, leader.let_go)
+    for axis, of_axis in enumerate(axes):
+        motion, arc_mm = leader.patiently(
+            partial(_pulled, leader, settings, axis, of_axis), anew=leader.let_go
+        )
+        seen.append(motion)
     straight = kinematics.nodes_and_jacobian(np.zeros(kinematics.axes), arc_mm)[1]
     drawn = np.moveaxis(straight, -1, 0)[: kinematics.tendons]
     found = wired(np.array(seen), drawn)
