@@ -49,6 +49,7 @@ def write_real(folder: Path) -> Path:
         skew=SKEW,
         board_at_base=f"# Only where there is a fixture for the board:\n{at_base}",
         port="/dev/serial/by-id/FILL-IN",
+        servo_patience="",
         simulation="",
         **marks,
     )
@@ -65,6 +66,7 @@ def write_simulated(folder: Path, seed: int) -> Path:
         skew="",
         board_at_base=_text("board_at_base.toml"),
         port="servos",
+        servo_patience=_text("servo_patience.toml"),
         simulation=_text("simulation.toml")
         + written({"simulation": {"rig": TRUE_RIG, **_told(true_simulation(seed))}}),
         **{f"{what}_to_fill_in": "" for what in TO_FILL_IN},
