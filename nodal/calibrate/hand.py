@@ -1,6 +1,7 @@
 """What moves and watches the robot during calibration: a bench on the bus, asked as an operator asks it."""
 
 import dataclasses
+import sys
 import time
 from typing import Protocol, cast
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from messaging import topics
 from messaging.control import Action, ActionRequest, ControllerState, Reply, TendonCommand, TendonState
+from messaging.errors import UnansweredError
 from messaging.session import Session
 from messaging.shape import ShapeEstimate
 from nodal.asking import answer
@@ -57,6 +59,20 @@ class Hand(Protocol):
     def watch(self) -> Glimpse:
         """After a little while; raises CalibrationError when the controller is silent."""
         ...
+
+
+def jog(hand: Hand, axis: int, tendons: int, distance_mm: float) -> Reply:
+    """Ask for one axis to be jogged: a tendon or pair by its place, or the stage, which comes behind the `tendons`."""
+    return hand.ask(Action.JOG, "stage" if axis == tendons else str(axis + 1), distance_mm)
+
+
+def stop(hand: Hand) -> None:
+    """Have the tendons let go at once; whatever led here is not hidden when nobody answers."""
+    try:
+        hand.ask(Action.STOP)
+        print("the tendons are let go", file=sys.stderr)
+    except (UnansweredError, CalibrationError) as error:
+        print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
 
 
 class BenchHand:

@@ -9,7 +9,7 @@ from controller.limits import axis_name
 from controller.settings import JogSettings
 from messaging.control import Action, State
 from messaging.errors import UnansweredError
-from nodal.calibrate.hand import Glimpse, Hand
+from nodal.calibrate.hand import Glimpse, Hand, jog, stop
 from nodal.errors import CalibrationError, RobotStoppedError
 
 NS_PER_S = 1e9
@@ -58,26 +58,26 @@ class Mover:
     def let_go(self) -> None:
         """Relax the tendons; stop where that is refused. Returns when they are let go, or says that nobody answers."""
         try:
-            if self._hand.ask(Action.RELAX).accepted:
-                glimpse = self._hand.watch()
-                end_s = glimpse.now_s + LET_GO_S
-                while glimpse.state not in _LET_GO and glimpse.now_s < end_s:
-                    glimpse = self._hand.watch()
-                if glimpse.state in _LET_GO:
-                    print("the tendons are let go", file=sys.stderr)
-                    return
-            self._hand.ask(Action.STOP)
+            if self._hand.ask(Action.RELAX).accepted and self._let_go_in_time():
+                print("the tendons are let go", file=sys.stderr)
+                return
         except (UnansweredError, CalibrationError) as error:
-            # whatever led here is not to be hidden by this
-            print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
+            print(f"warning: {error}", file=sys.stderr)
+        stop(self._hand)
+
+    def _let_go_in_time(self) -> bool:
+        glimpse = self._hand.watch()
+        end_s = glimpse.now_s + LET_GO_S
+        while glimpse.state not in _LET_GO and glimpse.now_s < end_s:
+            glimpse = self._hand.watch()
+        return glimpse.state in _LET_GO
 
     def _jog(self, axis: int, distance_mm: float) -> None:
         before = self._hand.watch()
         told_mm = before.command_mm[axis]
         if math.isnan(told_mm):
             told_mm = before.position_mm[axis] if axis == self._tendons else 0.0
-        name = "stage" if axis == self._tendons else str(axis + 1)
-        reply = self._hand.ask(Action.JOG, name, distance_mm)
+        reply = jog(self._hand, axis, self._tendons, distance_mm)
         what = f"the jog of {axis_name(axis, self._tendons)} by {distance_mm:g} mm"
         if not reply.accepted:
             raise RobotStoppedError(f"{what} was refused: {reply.reason}", reply.advice)

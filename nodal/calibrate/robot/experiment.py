@@ -11,7 +11,8 @@ from controller.kinematics import Kinematics
 from controller.plant import Plant
 from controller.settings import ControllerSettings
 from messaging.settings import RobotSettings
-from nodal.calibrate.robot.leading import SETTLED_S, Leader, Stand
+from nodal.calibrate.robot.leading import SETTLED_S, Leader
+from nodal.calibrate.robot.standing import Stand
 from nodal.calibrate.robot.walking import Run, Walk
 
 Array = NDArray[np.float64]

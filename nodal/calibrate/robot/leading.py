@@ -1,7 +1,5 @@
 """Leading the robot from pose to pose, one axis at a time, and looking at it where it stands."""
 
-import dataclasses
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
@@ -13,10 +11,10 @@ from controller.faults import DriveLostError
 from controller.limits import axis_name
 from controller.settings import ControllerSettings
 from controller.watch import distrust
-from messaging.control import Action, State
-from messaging.errors import UnansweredError
+from messaging.control import Action, Reply, State
 from messaging.shape import ShapeEstimate
-from nodal.calibrate.hand import Glimpse, Hand
+from nodal.calibrate.hand import Glimpse, Hand, jog, stop
+from nodal.calibrate.robot.standing import Stand, still
 from nodal.errors import JogRefusedError, RobotStoppedError, ServosSilentError
 
 Array = NDArray[np.float64]
@@ -36,20 +34,8 @@ BLIND_S = 0.5
 """Without a trusted shape for so long a move is interrupted, until there is one within `PATIENCE_S`."""
 THERE_MM = 1e-6
 _ATTEMPTS = 12
-_STILL_MM = 0.05
 _STANDING = (State.HOLD, State.READY, State.UNHOMED)
 _UNSEEN = "see what the cameras show; smaller moves (--share) keep the robot in their sight"
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Stand:
-    """Where the robot stood: axes (A,), currents (A,), nodal points (k, 3) at `arc_mm` (k,), known to `sigma_mm` (k,)."""
-
-    position_mm: Array
-    current_ma: Array
-    node_mm: Array
-    sigma_mm: Array
-    arc_mm: Array
 
 
 class Leader:
@@ -152,7 +138,7 @@ class Leader:
             shapes.append(glimpse.shape)
             glimpses.append(glimpse)
             self._same_nodes(glimpse.shape)
-            return len(shapes) >= SHAPES and _still(shapes[-SHAPES:])
+            return len(shapes) >= SHAPES and still(shapes[-SHAPES:])
 
         for _ in range(_ATTEMPTS):
             self._until(seen, "waiting until the robot stands still", STILL_WITHIN_S)
@@ -160,16 +146,7 @@ class Leader:
                 break
         else:
             raise RobotStoppedError(f"shapes are lost again and again: {self._why_not}", _UNSEEN)
-        last = shapes[-SHAPES:]
-        nodes = np.array([shape.node_mm for shape in last])
-        said = np.mean([np.trace(shape.node_covariance_mm2, axis1=1, axis2=2) / 3 for shape in last], axis=0)
-        return Stand(
-            position_mm=np.mean([glimpse.position_mm for glimpse in glimpses[-SHAPES:]], axis=0),
-            current_ma=np.mean([glimpse.current_ma for glimpse in glimpses[-SHAPES:]], axis=0),
-            node_mm=nodes.mean(axis=0),
-            sigma_mm=np.sqrt(said / len(last)),
-            arc_mm=last[-1].node_arc_mm,
-        )
+        return Stand.of(shapes[-SHAPES:], glimpses[-SHAPES:])
 
     def stage_mm(self) -> float:
         """Where the stage stands, by its servo."""
@@ -183,8 +160,7 @@ class Leader:
     def _jog(self, axis: int, distance_mm: float) -> None:
         before_mm = self.command_mm()
         goal_mm = before_mm[axis] + distance_mm
-        name = str(axis + 1) if axis < self._tendons else "stage"
-        self._asked(Action.JOG, name, distance_mm)
+        self._answered(Action.JOG, jog(self._hand, axis, self._tendons, distance_mm))
 
         def there(glimpse: Glimpse) -> bool:
             return bool(abs(glimpse.command_mm[axis] - goal_mm) < THERE_MM)
@@ -192,8 +168,10 @@ class Leader:
         within_s = abs(distance_mm) / self._settings.jog.mm_s + PATIENCE_S
         self._until(there, f"the jog of {self.name(axis)} by {distance_mm:.2f} mm", within_s)
 
-    def _asked(self, action: Action, axis: str = "", distance_mm: float = 0.0) -> None:
-        reply = self._hand.ask(action, axis, distance_mm)
+    def _asked(self, action: Action) -> None:
+        self._answered(action, self._hand.ask(action))
+
+    def _answered(self, action: Action, reply: Reply) -> None:
         if not reply.accepted:
             stands = action is Action.JOG and reply.state in _STANDING
             refused = JogRefusedError if stands else _stopped_by(reply.fault)
@@ -274,27 +252,9 @@ def leading_robot(
     try:
         yield Leader(hand, settings, tendons, turned, say)
     except BaseException:
-        _let_go_at_once(hand)
+        stop(hand)
         raise
-
-
-def _let_go_at_once(hand: Hand) -> None:
-    """Whatever led here is not hidden when nobody answers."""
-    try:
-        hand.ask(Action.STOP)
-        print("the tendons are let go", file=sys.stderr)
-    except UnansweredError as error:
-        print(f"warning: the tendons may still be held: {error}", file=sys.stderr)
 
 
 def _stopped_by(fault: str) -> type[RobotStoppedError]:
     return ServosSilentError if fault == DriveLostError.code else RobotStoppedError
-
-
-def _still(shapes: list[ShapeEstimate]) -> bool:
-    """Whether the first half shows the same as the second, as far as can be seen."""
-    nodes = np.array([shape.node_mm for shape in shapes])
-    half = len(nodes) // 2
-    apart_mm = np.linalg.norm(nodes[:half].mean(axis=0) - nodes[half:].mean(axis=0), axis=1)
-    variance = np.trace(shapes[-1].node_covariance_mm2, axis1=1, axis2=2)
-    return bool((apart_mm <= np.maximum(_STILL_MM, 3 * np.sqrt(variance / half))).all())

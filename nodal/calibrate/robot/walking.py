@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.robot_model import Poses
-from nodal.calibrate.robot.leading import THERE_MM, Leader, Stand
+from nodal.calibrate.robot.leading import THERE_MM, Leader
+from nodal.calibrate.robot.standing import Stand
 from nodal.errors import JogRefusedError, RobotStoppedError
 
 Array = NDArray[np.float64]
