@@ -7,10 +7,12 @@ DURATION ?= 60
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test bench lock protobuf docs golden format clean
+.PHONY: help install demo test bench lock protobuf docs golden format clean
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 18
+
+install: .venv/run.stamp ## everything that a bench needs, into .venv
 
 demo: .venv/run.stamp ## the whole simulated bench in closed loop; DURATION=60 seconds, ARGUMENTS="--out DIR --json"
 	@$(BIN)/nodal demo --duration $(DURATION) $(ARGUMENTS)

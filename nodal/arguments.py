@@ -11,7 +11,7 @@ def add_config_argument(parser: argparse.ArgumentParser) -> None:
         "--config",
         required=True,
         metavar="BENCH",
-        help="bench file (TOML), or the name of one that comes with nodal: simulated",
+        help="bench file (TOML), the folder of a bench.toml, or the name of one that comes with nodal: simulated",
     )
 
 

@@ -142,8 +142,12 @@ def _checked(
 
 
 def bench_path(config: str | Path) -> Path:
-    """The bench file that `--config` means: a path, or the name of a bench that comes with nodal."""
+    """The bench file that `--config` means: a path, a folder with a bench.toml in it, or the name of a bench that comes with
+    nodal.
+    """
     path = Path(config)
+    if (path / BENCH_ATTACHMENT).is_file():
+        return (path / BENCH_ATTACHMENT).resolve()
     if path.suffix or len(path.parts) > 1 or path.exists():
         return path.resolve()
     shipped = {file.stem: file for file in sorted(SHIPPED.glob("*.toml"))}

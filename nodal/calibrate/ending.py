@@ -1,5 +1,7 @@
 """What every step of calibration ends with: the report made anew, and the step that follows."""
 
+from pathlib import Path
+
 from messaging.errors import NodalError
 from nodal.bench_file import BenchFile
 from nodal.calibrate.report.page import write_report
@@ -17,6 +19,10 @@ def report_anew(bench: BenchFile) -> str:
 
 def next_step(bench: BenchFile, done: str) -> str:
     """What to do after this step."""
+    if done == "background" and not Path(bench.settings.calibration).exists():
+        done = "cameras"  # the robot frame is still to be found, and the work area after it
     if done in FOLLOWED_BY:
         return f"next: nodal calibrate {FOLLOWED_BY[done]} --config {bench.path}"
+    if bench.settings.simulation is not None:
+        return f"next: nodal demo --config {bench.path}"
     return f"next: start the bench's processes (docs/operation.md), then nodal do home --config {bench.path}"

@@ -240,3 +240,9 @@ def test_the_documented_reference_is_in_step_with_the_settings():
     document = DOCUMENT.read_text(encoding="utf-8")
 
     assert document == with_reference(document), "make docs"
+
+
+def test_the_folder_of_a_bench_file_means_that_file(tmp_path, table):
+    loaded(tmp_path, table)
+
+    assert bench_path(tmp_path) == tmp_path / "bench.toml"

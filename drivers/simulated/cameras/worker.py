@@ -74,7 +74,7 @@ def serve(descriptor: int) -> None:
                         told = exposure.scene
                         pipe.send(told)
                     before = exposure.scene
-        except (EOFError, ConnectionResetError):
+        except (EOFError, ConnectionError):
             return
 
 

@@ -6,6 +6,8 @@ from nodal.calibrate.background.judging import CameraBackground
 from nodal.calibrate.background.robot import RobotSeen
 from nodal.calibrate.background.warnings import warnings
 
+UNHEARD = " (no controller runs that says where the stage stands; that is no fault here)"
+
 
 def words(cameras: Sequence[CameraBackground], robot: RobotSeen | None) -> Iterator[str]:
     """One line after the other."""
@@ -33,7 +35,8 @@ def _robot(robot: RobotSeen) -> Iterator[str]:
     if robot.refusal:
         yield f"sensing sees no shape: {robot.refusal}"
     else:
-        yield f"sensing sees a robot of {robot.length_mm:.2f} mm; flags: {', '.join(robot.flags) or 'none'}"
+        flags = ", ".join(robot.flags) or "none"
+        yield f"sensing sees a robot of {robot.length_mm:.2f} mm; flags: {flags}{UNHEARD if 'base_unknown' in robot.flags else ''}"
 
 
 def _levels(colour: tuple[float, float, float], form: str) -> str:

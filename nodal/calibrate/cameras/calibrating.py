@@ -30,10 +30,11 @@ from nodal.calibrate.cameras.kept_views import NewViews
 from nodal.calibrate.cameras.outcome import Outcome
 from nodal.calibrate.cameras.progress import TakingProgress
 from nodal.calibrate.cameras.taking import Taking, newest
+from nodal.calibrate.cameras.verdict import Grade, judgements, overall
 from nodal.calibrate.cameras.waiting import PATIENCE_S, HeardCamera, why_no_set
 from nodal.calibrate.ending import report_anew
 from nodal.calibrate.person import person_at
-from nodal.calibration.folder import CAMERAS, calibration_folder, own_bench, save_json
+from nodal.calibration.folder import CAMERAS, calibration_folder, cameras_in, own_bench, save_json
 from nodal.calibration_file import load_rig
 from nodal.cameras.chosen import chosen_cameras, running_cameras
 from nodal.errors import CalibrationError, CommandError
@@ -55,6 +56,7 @@ def calibrate_cameras(arguments: argparse.Namespace) -> Outcome:
         _take(bench, chosen, taking, arguments.views)
         print(f"{len(taking.views)} views are taken; calibrating", file=sys.stderr, flush=True)
         found = _calibrated(taking, board)
+        _refuse_worse(folder / CAMERAS, found.cameras)
         save_json(folder / CAMERAS, found.cameras)
         kept.replace_old(found)
     return Outcome(
@@ -65,6 +67,15 @@ def calibrate_cameras(arguments: argparse.Namespace) -> Outcome:
         refused=taking.refused,
         before=before,
     )
+
+
+def _refuse_worse(file: Path, found: CameraSet) -> None:
+    """Cameras that nobody should rely on do not take the place of better ones; raises CalibrationError."""
+    if not file.exists() or overall(judgements(found)) is not Grade.POOR:
+        return
+    if overall(judgements(cameras_in(file))) is not Grade.POOR:
+        poor = "; ".join(f"{one.what}: {one.advice}" for one in judgements(found) if one.grade is Grade.POOR)
+        raise CalibrationError(f"these cameras are poor, and those in {file} are better and stay. {poor}")
 
 
 def _chosen(arguments: argparse.Namespace, settings: BenchSettings) -> Mapping[str, CameraSettings]:

@@ -46,13 +46,13 @@ def places(cameras: CameraSet) -> Iterator[str]:
         )
     if (check := cameras.board_check) is not None:
         yield (
-            f"the board in 3-D: {check.squares} sides of squares, off by {check.mean_error_mm:+.4f} mm on average and "
+            f"the board in 3-D: {check.squares} sides of squares, off by {round(check.mean_error_mm, 4) + 0.0:+.4f} mm on average and "
             f"{check.rms_error_mm:.4f} mm RMS; corners {check.surface_error_mm:.4f} mm RMS off its surface"
         )
     if (board := shape_of(cameras)) is not None:
         yield (
-            f"the board itself: bowed by {board.bow_mm:.3f} mm, {PER_MILLE * board.named['stretch']:+.2f} ‰ longer down than across, "
-            f"{PER_MILLE * board.named['shear']:+.2f} ‰ askew; all of this is taken out"
+            f"the board itself: bowed by {board.bow_mm:.3f} mm, {round(PER_MILLE * board.named['stretch'], 2) + 0.0:+.2f} ‰ longer down than across, "
+            f"{round(PER_MILLE * board.named['shear'], 2) + 0.0:+.2f} ‰ askew; all of this is taken out"
         )
 
 

@@ -13,7 +13,7 @@ def content(known: Material) -> Content:
     if found is None:
         return None
     return [
-        element("p", f"Taken {found.made_at}, with the stage at {found.insertion_mm:.1f} mm."),
+        element("p", f"Taken {found.made_at}, with the stage {_stage(found)}."),
         table(
             "Backgrounds",
             ["", "pictures", "red, green, blue", "noise", "flicker", "uneven", "clipped", "spots"],
@@ -34,3 +34,9 @@ def content(known: Material) -> Content:
         ),
         element("div", known.drawn("background-{}-judged.jpg"), class_="moments"),
     ]
+
+
+def _stage(found: BackgroundFound) -> str:
+    if not found.insertion_known:
+        return "where nobody said, as no controller ran"
+    return f"at {found.insertion_mm:.1f} mm"

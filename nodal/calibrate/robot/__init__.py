@@ -40,6 +40,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError(
             f"--share {arguments.share:g}: allowed are {LEAST_SHARE:g} to 1; in smaller moves lost motion hides the rest"
         )
+    if arguments.dry_run and arguments.json:
+        raise CommandError("--dry-run says in words what would be moved; leave --json out")
     if arguments.dry_run:
         print(foretold(arguments.config, arguments.share))
         return 0

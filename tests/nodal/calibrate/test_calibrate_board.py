@@ -12,6 +12,7 @@ import pytest
 
 from calibration.board import Board
 from calibration.camera_set import CameraSet
+from drivers.simulated.cameras.rig import default_cameras
 from messaging.board import BoardSettings
 from nodal.__main__ import main
 from nodal.bench_file import SHIPPED, read_bench
@@ -151,7 +152,7 @@ def test_what_was_calibrated_with_the_board_before_it_was_measured_is_named(benc
     assert main(["calibrate", "board", "--config", str(bench), "--out", "board.pdf"]) == 0
     measured = ["calibrate", "board", "--config", str(bench), "--measured"]
     file = calibration_folder(read_bench(bench)) / CAMERAS
-    cameras = CameraSet(cameras=(), board=BoardSettings())
+    cameras = msgspec.structs.replace(CameraSet.of_rig(default_cameras()), board=BoardSettings())
     save_json(file, cameras)
     assert main([*measured, "99.1"]) == 0
     printed = capsys.readouterr().out

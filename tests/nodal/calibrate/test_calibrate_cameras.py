@@ -20,8 +20,10 @@ from nodal.calibrate.cameras import calibrating
 from nodal.calibrate.cameras.calibrating import still_skew_s
 from nodal.calibrate.cameras.kept_views import kept_pictures, kept_views
 from nodal.calibrate.cameras.taking import Taking
+from nodal.calibrate.cameras.verdict import Grade, judgements, overall
 from nodal.calibration.folder import cameras_in
 from nodal.calibration_file import load_rig, save_rig
+from nodal.exit_status import REFUSED
 from nodal.toml_file import read_table, written
 
 LOOK = Taking.look
@@ -201,6 +203,18 @@ def test_views_of_the_middle_alone_are_not_called_good(bench, shots_of_the_middl
     assert "left: nothing in the lower right of the picture" in cameras.missing
     page = (bench.parent / "calibration" / "report.html").read_text()
     assert "left: nothing in the lower right of the picture" in page
+
+
+def test_poor_cameras_do_not_take_the_place_of_better_ones(bench, shots, shots_of_the_middle, capsys):
+    assert calibrated(bench, shots) == 0
+    file = bench.parent / "calibration" / "cameras.json"
+    better = file.read_bytes()
+    assert overall(judgements(cameras_in(file))) is not Grade.POOR
+
+    assert calibrated(bench, shots_of_the_middle) == REFUSED
+
+    assert "are better and stay" in capsys.readouterr().err
+    assert file.read_bytes() == better
 
 
 def as_webcams(bench, width, height):
