@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from calibration.camera_set import CameraSet
@@ -106,29 +105,6 @@ projection_matrix:
   rows: 3
   cols: 4
   data: [400., 0., 320., {shift}, 0., 400., 240., 0., 0., 0., 1., 0.]
-"""
-# as kalibr_calibrate_cameras writes a camchain
-KALIBR = """cam0:
-  cam_overlaps: [1]
-  camera_model: pinhole
-  distortion_coeffs: [-0.28, 0.07, 1.9e-04, 1.7e-05]
-  distortion_model: radtan
-  intrinsics: [458.6, 457.2, 367.2, 248.3]
-  resolution: [752, 480]
-  rostopic: /cam0/image_raw
-cam1:
-  T_cn_cnm1:
-  - [0.0, -1.0, 0.0, -0.11]
-  - [1.0, 0.0, 0.0, 0.02]
-  - [0.0, 0.0, 1.0, 0.03]
-  - [0.0, 0.0, 0.0, 1.0]
-  cam_overlaps: [0]
-  camera_model: pinhole
-  distortion_coeffs: [-0.27, 0.08, 0.0, 0.0]
-  distortion_model: radtan
-  intrinsics: [457.5, 456.1, 379.9, 255.2]
-  resolution: [752, 480]
-  rostopic: /cam1/image_raw
 """
 
 
@@ -309,160 +285,6 @@ def test_no_cameras_are_no_calibration(tmp_path):
     (tmp_path / "cameras.json").write_text('{"cameras": []}')
     with pytest.raises(CalibrationFileError, match=r"not a file of calibrated cameras: .* length >= 1"):
         read_calibration([tmp_path / "cameras.json"], None, Choices())
-
-
-def test_a_kalibr_chain_is_in_metres(tmp_path):
-    file = tmp_path / "camchain.yaml"
-    file.write_text(KALIBR)
-    first, second = read_calibration([file], None, Choices()).cameras.cameras
-    assert first.distortion == (-0.28, 0.07, 1.9e-4, 1.7e-5, 0)
-    assert second.intrinsics == ((457.5, 0, 379.9), (0, 456.1, 255.2), (0, 0, 1))
-    assert second.camera_from_rig == ((0, -1, 0, -110), (1, 0, 0, 20), (0, 0, 1, 30), (0, 0, 0, 1))
-
-
-def test_a_longer_kalibr_chain_is_placed_link_by_link(tmp_path):
-    step = np.eye(4)
-    step[:3, :3] = Rotation.from_rotvec([0.1, 0.5, -0.2]).as_matrix()
-    step[:3, 3] = -150, 10, 20
-    two = placed(None).cameras.cameras
-    three = msgspec.structs.replace(
-        two[1],
-        name="third",
-        camera_from_rig=tuple(map(tuple, (step @ np.array(two[1].camera_from_rig)).tolist())),
-    )
-    flat = tuple(msgspec.structs.replace(one, distortion=(*one.distortion[:4], 0.0)) for one in (*two, three))
-    chain = Calibration(cameras=CameraSet(cameras=flat))
-    write_calibration(tmp_path / "k.yaml", "kalibr", chain, Choices())
-    after = read_calibration([tmp_path / "k.yaml"], None, Choices(names=("left", "right", "third"))).cameras
-    np.testing.assert_allclose(numbers_of(after), numbers_of(chain.cameras), atol=1e-10)
-    with pytest.raises(CalibrationFileError, match="3 cameras does not fit into the format matlab"):
-        write_calibration(tmp_path / "m.mat", None, chain, Choices())
-
-
-@pytest.mark.parametrize(
-    ("line", "instead", "complaint"),
-    [
-        ("distortion_model: radtan", "distortion_model: equidistant", "pinhole with distortion_model equidistant"),
-        ("camera_model: pinhole", "camera_model: omni", "camera_model omni"),
-        ("  - [0.0, 0.0, 1.0, 0.03]\n", "", "T_cn_cnm1 should be 4 x 4 numbers"),
-        ("resolution: [752, 480]", "resolution: [752, .nan]", "not all of them are finite"),
-        ("intrinsics: [458.6, 457.2, 367.2, 248.3]", "", "cam0: intrinsics is missing"),
-        ("  - [1.0, 0.0, 0.0, 0.02]", "  - [2.0, 0.0, 0.0, 0.02]", "is not a rigid transform"),
-        (KALIBR, "cam0: 5\ncam1: 7", "cam0: 5 stands where camera_model and other keys should"),
-    ],
-)  # fmt: skip
-def test_what_kalibr_says_and_sensing_cannot_use_is_refused(tmp_path, line, instead, complaint):
-    file = tmp_path / "camchain.yaml"
-    file.write_text(KALIBR.replace(line, instead, 1))
-    with pytest.raises(CalibrationFileError, match=complaint):
-        read_calibration([file], "kalibr", Choices())
-
-
-def test_k3_is_not_dropped_silently(tmp_path, capsys):
-    save_rig(tmp_path / "rig.json", load_bench("simulated").rig)
-    words = [str(tmp_path / "rig.json"), str(tmp_path / "k.yaml"), "--to", "kalibr"]
-    assert main(["calibration", "convert", *words]) == 2
-    shown = capsys.readouterr().err
-    assert "camera left has k3 = 0.027" in shown
-    assert "--drop-k3" in shown
-    assert not (tmp_path / "k.yaml").exists()
-    assert main(["calibration", "convert", *words, "--drop-k3"]) == 0
-    assert "camera left: k3 is left out, which costs" in capsys.readouterr().out
-
-
-def matlab_camera(**fields):
-    """As cameraParameters' toStruct lays a camera out, up to R2022a: a 960 x 1280 camera with two radial terms."""
-    return {
-        "RadialDistortion": [-0.4, 0.18],
-        "TangentialDistortion": [0.001, -0.002],
-        "ImageSize": [960.0, 1280.0],
-        "WorldPoints": np.zeros((20, 2)),
-        "WorldUnits": "millimeters",
-        "EstimateSkew": False,
-        "NumRadialDistortionCoefficients": 2.0,
-        "EstimateTangentialDistortion": True,
-        "RotationVectors": np.zeros((9, 3)),
-        "TranslationVectors": np.zeros((9, 3)),
-        "ReprojectionErrors": np.zeros((20, 2, 9)),
-        "IntrinsicMatrix": [[1410.0, 0.0, 0.0], [0.0, 1411.0, 0.0], [611.0, 552.0, 1.0]],
-        "Version": {"Name": "Computer Vision Toolbox", "Version": "9.1", "Release": "(R2019a)"},
-        **fields,
-    }
-
-
-def matlab_pair(**fields):
-    turn = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]  # rows: x' = -y, y' = x
-    return {
-        "CameraParameters1": matlab_camera(),
-        "CameraParameters2": matlab_camera(),
-        "RotationOfCamera2": turn,
-        "TranslationOfCamera2": [-110.0, 2.0, 30.0],
-        **fields,
-    }
-
-
-def test_a_matlab_struct_counts_pixels_from_one_and_writes_points_as_rows(tmp_path):
-    savemat(tmp_path / "stereo.mat", {"stereoParams": matlab_pair(), "other": 3.0})
-    first, second = read_calibration([tmp_path / "stereo.mat"], None, Choices()).cameras.cameras
-    assert (first.width_px, first.height_px) == (1280, 960)
-    assert first.intrinsics == ((1410, 0, 610), (0, 1411, 551), (0, 0, 1))
-    assert first.distortion == (-0.4, 0.18, 0.001, -0.002, 0)
-    assert second.camera_from_rig == ((0, -1, 0, -110), (1, 0, 0, 2), (0, 0, 1, 30), (0, 0, 0, 1))
-
-
-def test_a_newer_matlab_struct_has_k_and_a_pose(tmp_path):
-    newer = matlab_camera(K=[[1410.0, 0.0, 611.0], [0.0, 1411.0, 552.0], [0.0, 0.0, 1.0]], RadialDistortion=[-0.4, 0.18, 0.05], WorldUnits="m")  # fmt: skip
-    del newer["IntrinsicMatrix"]
-    pair = matlab_pair(CameraParameters1=newer, CameraParameters2=newer)
-    del pair["RotationOfCamera2"], pair["TranslationOfCamera2"]
-    pair["PoseCamera2"] = {
-        "R": [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-        "Translation": [-0.11, 0.002, 0.03],
-    }
-    savemat(tmp_path / "stereo.mat", {"s": pair})
-    first, second = read_calibration([tmp_path / "stereo.mat"], None, Choices()).cameras.cameras
-    assert first.intrinsics == ((1410, 0, 610), (0, 1411, 551), (0, 0, 1))
-    assert first.distortion == (-0.4, 0.18, 0.001, -0.002, 0.05)
-    assert second.camera_from_rig == ((0, -1, 0, -110), (1, 0, 0, 2), (0, 0, 1, 30), (0, 0, 0, 1))
-
-
-@pytest.mark.parametrize(
-    ("pair", "complaint"),
-    [
-        (matlab_pair(CameraParameters1=matlab_camera(IntrinsicMatrix=[[1410.0, 0.0, 0.0], [3.0, 1411.0, 0.0], [611.0, 552.0, 1.0]])), "a skew of 3 px"),
-        (matlab_pair(CameraParameters1=matlab_camera(RadialDistortion=[0.1, 0.1, 0.1, 0.1])), "4 coefficients of RadialDistortion"),
-        (matlab_pair(CameraParameters1=matlab_camera(WorldUnits="furlongs")), "WorldUnits are 'furlongs'; say with --units"),
-        ({"K": np.eye(3)}, "no struct with CameraParameters1 and CameraParameters2"),
-        (matlab_pair(CameraParameters1=5.0), "no struct with CameraParameters1 and CameraParameters2"),
-    ],
-)  # fmt: skip
-def test_what_matlab_says_and_sensing_cannot_use_is_refused(tmp_path, pair, complaint):
-    savemat(tmp_path / "stereo.mat", {"s": pair})
-    with pytest.raises(CalibrationFileError, match=complaint):
-        read_calibration([tmp_path / "stereo.mat"], None, Choices())
-
-
-@pytest.mark.parametrize("place", [144, 777, 809])  # scipy 1.17: UnboundLocalError, SIGSEGV, SIGBUS
-def test_a_damaged_mat_file_brings_nothing_down(tmp_path, place):
-    file = tmp_path / "stereo.mat"
-    savemat(file, {"s": matlab_pair()}, long_field_names=True)
-    damaged = bytearray(file.read_bytes())
-    damaged[place] = 255
-    file.write_bytes(damaged)
-    with pytest.raises(CalibrationFileError, match=r"a damaged \.mat file: "):
-        read_calibration([file], None, Choices())
-
-
-def test_a_mat_file_of_version_7_3_is_refused_with_what_to_do(tmp_path):
-    file = tmp_path / "stereo.mat"
-    file.write_bytes(
-        b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116)
-        + b"\0" * 8
-        + b"\0\2IM"
-        + b"\x89HDF\r\n\x1a\n".rjust(512, b"\0")
-    )
-    with pytest.raises(CalibrationFileError, match=r"saved as version 7\.3.*-v7"):
-        read_calibration([file], None, Choices())
 
 
 @pytest.mark.parametrize("terms", [8, 12, 14])
