@@ -340,3 +340,22 @@ def test_errors_name_what_is_missing(tmp_path, capsys):
 def test_a_calibration_without_a_robot_is_no_rig(tmp_path):
     with pytest.raises(CalibrationFileError, match="nodal calibrate base"):
         write_calibration(tmp_path / "rig.json", "rig", dataclasses.replace(placed(None)), Choices())
+
+
+def test_a_longer_kalibr_chain_is_placed_link_by_link(tmp_path):
+    step = np.eye(4)
+    step[:3, :3] = Rotation.from_rotvec([0.1, 0.5, -0.2]).as_matrix()
+    step[:3, 3] = -150, 10, 20
+    two = placed(None).cameras.cameras
+    three = msgspec.structs.replace(
+        two[1],
+        name="third",
+        camera_from_rig=tuple(map(tuple, (step @ np.array(two[1].camera_from_rig)).tolist())),
+    )
+    flat = tuple(msgspec.structs.replace(one, distortion=(*one.distortion[:4], 0.0)) for one in (*two, three))
+    chain = Calibration(cameras=CameraSet(cameras=flat))
+    write_calibration(tmp_path / "k.yaml", "kalibr", chain, Choices())
+    after = read_calibration([tmp_path / "k.yaml"], None, Choices(names=("left", "right", "third"))).cameras
+    np.testing.assert_allclose(numbers_of(after), numbers_of(chain.cameras), atol=1e-10)
+    with pytest.raises(CalibrationFileError, match="3 cameras does not fit into the format matlab"):
+        write_calibration(tmp_path / "m.mat", None, chain, Choices())

@@ -1,15 +1,11 @@
 """Calibrations that Kalibr made."""
 
-import msgspec
-import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from calibration.camera_set import CameraSet
 from nodal.__main__ import main
 from nodal.bench_file import load_bench
-from nodal.calibration.formats.calibration import Calibration, Choices
-from nodal.calibration.formats.reading import read_calibration, write_calibration
+from nodal.calibration.formats.calibration import Choices
+from nodal.calibration.formats.reading import read_calibration
 from nodal.calibration_file import save_rig
 from nodal.errors import CalibrationFileError
 
@@ -46,25 +42,6 @@ def test_a_kalibr_chain_is_in_metres(tmp_path):
     assert first.distortion == (-0.28, 0.07, 1.9e-4, 1.7e-5, 0)
     assert second.intrinsics == ((457.5, 0, 379.9), (0, 456.1, 255.2), (0, 0, 1))
     assert second.camera_from_rig == ((0, -1, 0, -110), (1, 0, 0, 20), (0, 0, 1, 30), (0, 0, 0, 1))
-
-
-def test_a_longer_kalibr_chain_is_placed_link_by_link(tmp_path):
-    step = np.eye(4)
-    step[:3, :3] = Rotation.from_rotvec([0.1, 0.5, -0.2]).as_matrix()
-    step[:3, 3] = -150, 10, 20
-    two = placed(None).cameras.cameras
-    three = msgspec.structs.replace(
-        two[1],
-        name="third",
-        camera_from_rig=tuple(map(tuple, (step @ np.array(two[1].camera_from_rig)).tolist())),
-    )
-    flat = tuple(msgspec.structs.replace(one, distortion=(*one.distortion[:4], 0.0)) for one in (*two, three))
-    chain = Calibration(cameras=CameraSet(cameras=flat))
-    write_calibration(tmp_path / "k.yaml", "kalibr", chain, Choices())
-    after = read_calibration([tmp_path / "k.yaml"], None, Choices(names=("left", "right", "third"))).cameras
-    np.testing.assert_allclose(numbers_of(after), numbers_of(chain.cameras), atol=1e-10)
-    with pytest.raises(CalibrationFileError, match="3 cameras does not fit into the format matlab"):
-        write_calibration(tmp_path / "m.mat", None, chain, Choices())
 
 
 @pytest.mark.parametrize(
