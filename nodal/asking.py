@@ -1,6 +1,5 @@
 """One question from the command line to a process of the bench."""
 
-import sys
 from collections.abc import Callable
 
 from messaging.control import Reply
@@ -8,7 +7,7 @@ from messaging.message import Message
 from messaging.session import Session, open_session
 from messaging.topics import Service
 from nodal.bench_file import read_bench
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 
 
 def ask(
@@ -40,10 +39,7 @@ def answer(session: Session, service: Service, request: Message, timeout_s: floa
 def tell(reply: Reply, more: str = "") -> int:
     """Say an answer, and what else was found out, and return the exit status."""
     if not reply.accepted:
-        print(f"nodal: refused: {reply.reason} (state: {reply.state})", file=sys.stderr)
-        if reply.advice:
-            print(f"what to do: {reply.advice}", file=sys.stderr)
-        return REFUSED
+        return refused(f"{reply.reason} (state: {reply.state})", reply.advice)
     print(f"{reply.state}: {reply.reason}" if reply.reason else reply.state)
     if reply.advice:
         print(f"what to do: {reply.advice}")

@@ -1,13 +1,12 @@
 """`nodal target`: where nodal points should go. Targets are checked, and answered, before anything moves."""
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodal.arguments import add_config_argument, add_timeout_argument
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 from nodal.target_arguments import TIMINGS, add_kind, add_pace, add_weight, named, numbers
 
 if TYPE_CHECKING:
@@ -100,8 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
             return _checked(asked, arguments, bench, space)
         return _sent(asked, arguments, bench, space)
     except TargetError as error:
-        print(f"nodal: refused: {error}", file=sys.stderr)
-        return REFUSED
+        return refused(error)
 
 
 def _checked(asked: "Asked", arguments: argparse.Namespace, bench: "BenchSettings", space: "Space") -> int:

@@ -3,7 +3,7 @@
 import argparse
 
 from nodal.arguments import add_config_argument
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 
 SUMMARY = "write ids, baud rate, delays, limits and mode of a bench's servos, as far as they differ"
 
@@ -23,8 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Say each change; 0 when all is as it should be, 3 when it is refused. Raises CommandError, BusError, ServoError."""
-    import sys  # noqa: PLC0415
-
     from nodal.bench_file import read_bench  # noqa: PLC0415
     from nodal.errors import CommandError, SetupRefusedError  # noqa: PLC0415
     from nodal.servos.port import buses_at  # noqa: PLC0415
@@ -45,7 +43,6 @@ def run(arguments: argparse.Namespace) -> int:
             print(change, flush=True)
             changes += 1
     except SetupRefusedError as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
-        return REFUSED
+        return refused(refusal)
     print(f"{changes} to change, nothing written" if order.dry_run else f"{changes} changed")
     return 0

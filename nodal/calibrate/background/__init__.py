@@ -4,7 +4,7 @@ import argparse
 
 from nodal.arguments import add_config_argument
 from nodal.cameras.chosen import add_source_arguments
-from nodal.exit_status import REFUSED
+from nodal.exit_status import REFUSED, refused
 
 SUMMARY = "take the pictures without the robot; judges light, glare and backdrop, finds the work area"
 PICTURES = 30
@@ -43,8 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         outcome = calibrate_background(arguments)
     except CalibrationError as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
-        return REFUSED
+        return refused(refusal)
     found = outcome.found
     print(
         msgspec.json.encode(found).decode()

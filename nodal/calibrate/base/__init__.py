@@ -4,7 +4,7 @@ import argparse
 
 from nodal.arguments import add_config_argument
 from nodal.cameras.chosen import add_source_arguments
-from nodal.exit_status import REFUSED
+from nodal.exit_status import REFUSED, refused
 
 SUMMARY = "find the robot frame, by a board in a fixture at the base or by the robot itself"
 LONGEST_PULL_MM = 20.0
@@ -53,10 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         outcome = find_base(arguments)
     except (CalibrationError, RobotStoppedError, BasePosesError, ViewsError) as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
-        if isinstance(refusal, RobotStoppedError) and refusal.advice:
-            print(f"what to do: {refusal.advice}", file=sys.stderr)
-        return REFUSED
+        return refused(refusal, refusal.advice if isinstance(refusal, RobotStoppedError) else "")
     print(json.dumps(as_builtins(outcome)) if arguments.json else as_text(outcome))
     for warning in warnings(outcome):
         print(f"warning: {warning}", file=sys.stderr)

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from nodal.arguments import add_config_argument
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 
 SUMMARY = "make the board's printable page, true to scale; then tell how long its ruler came out"
 PAPERS = ("A4", "A3", "letter")
@@ -31,8 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """0, or 3 with what would fit; raises BenchFileError, CommandError, BoardError, CalibrationFileError."""
-    import sys  # noqa: PLC0415
-
     from nodal.calibrate.board.printing import correct_board, print_board  # noqa: PLC0415
     from nodal.calibration.folder import own_bench  # noqa: PLC0415
     from nodal.errors import CalibrationError  # noqa: PLC0415
@@ -44,8 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             print(print_board(bench, arguments.out, arguments.paper))
     except CalibrationError as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
-        return REFUSED
+        return refused(refusal)
     return 0
 
 

@@ -4,7 +4,7 @@ import argparse
 
 from nodal.arguments import add_config_argument
 from nodal.cameras.chosen import add_source_arguments
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 
 SUMMARY = "show the board to the cameras; finds their lenses and where they stand among one another"
 
@@ -22,7 +22,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """0, or 3 with what is missing, and nothing is overwritten then. Raises BenchFileError, CommandError, CameraError, BoardError."""
     import json  # noqa: PLC0415
-    import sys  # noqa: PLC0415
 
     from calibration.errors import ViewsError  # noqa: PLC0415
     from nodal.calibrate.cameras.calibrating import calibrate_cameras  # noqa: PLC0415
@@ -34,7 +33,6 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         outcome = calibrate_cameras(arguments)
     except (CalibrationError, ViewsError) as refusal:
-        print(f"nodal: refused: {refusal}\nnothing was changed", file=sys.stderr)
-        return REFUSED
+        return refused(f"{refusal}\nnothing was changed")
     print(json.dumps(as_builtins(outcome)) if arguments.json else as_text(outcome))
     return 0

@@ -2,6 +2,7 @@
 
 from nodal.calibrate.cameras.verdict import judgements
 from nodal.calibrate.cameras.words import camera_rows, places, value_of
+from nodal.calibrate.report.levels import LEVELS
 from nodal.calibrate.report.material import Material
 from nodal.report.page.markup import Content, element, table
 
@@ -23,7 +24,7 @@ def content(known: Material) -> Content:
                 (
                     one.what,
                     value_of(one).replace(" ", NO_BREAK),
-                    element("strong", str(one.grade), class_=f"level {one.grade}"),
+                    element("strong", str(one.grade), class_=f"level {LEVELS[one.grade]}"),
                     f"{one.limits[0]:g}{NO_BREAK}{one.unit}",
                     f"{one.limits[1]:g}{NO_BREAK}{one.unit}",
                     one.why,

@@ -7,6 +7,7 @@ from nodal.bench_file import BenchFile
 from nodal.calibrate.cameras.verdict import Grade, judgements, overall
 from nodal.calibrate.cameras.words import SUMMARIES
 from nodal.calibrate.report import SECTIONS
+from nodal.calibrate.report.levels import LEVELS
 from nodal.calibrate.report.material import Material, material
 from nodal.errors import ReportError
 from nodal.report.page.markup import Content, element, section
@@ -15,8 +16,6 @@ from nodal.report.page.writing import page_text
 
 REPORT = "report.html"
 MADE_BY = "Made by nodal calibration report. Everything is in this file."
-LEVELS = {Grade.GOOD: "good", Grade.FAIR: "remarks", Grade.POOR: "bad"}
-"""Classes of style.css."""
 
 
 def write_report(bench: BenchFile, file: Path | None = None) -> Path:

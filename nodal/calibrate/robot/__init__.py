@@ -3,7 +3,7 @@
 import argparse
 
 from nodal.arguments import add_config_argument
-from nodal.exit_status import REFUSED
+from nodal.exit_status import refused
 
 SUMMARY = "move each tendon gently and identify signs, gains, coupling and lost motion"
 SHARE, LEAST_SHARE = 0.6, 0.2
@@ -49,17 +49,13 @@ def run(arguments: argparse.Namespace) -> int:
         bench = own_bench(arguments.config)
         found = calibrate_robot(bench, arguments.share)
     except (RobotStoppedError, RobotPosesError, CalibrationError) as refusal:
-        print(f"nodal: refused: {refusal}", file=sys.stderr)
-        if isinstance(refusal, RobotStoppedError) and refusal.advice:
-            print(f"what to do: {refusal.advice}", file=sys.stderr)
-        return REFUSED
+        return refused(refusal, refusal.advice if isinstance(refusal, RobotStoppedError) else "")
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         raise
     print(as_json(found) if arguments.json else as_text(found))
     print(f"report:  {report_anew(bench)}", file=sys.stderr)
     if found.doubt:
-        print(f"nodal: refused: {found.doubt}; [controller.identified] stays as it was", file=sys.stderr)
-        return REFUSED
+        return refused(f"{found.doubt}; [controller.identified] stays as it was")
     print(next_step(bench, "robot"), file=sys.stderr)
     return 0
